@@ -2,8 +2,8 @@
 
 use crate::analysis::no_value::{NoValue, require_finite, require_positive};
 
-/// The solids fraction phi at heights k dz above the plate, k = 0, 1, ...; node 0 is on the plate and stands for
-/// the mass below dz / 2, so that sum(phi) dz is the volume of solids per area.
+/// The solids fraction phi at heights k dz above the plate, k = 0, 1, ...; node 0 is on the plate and represents the
+/// mass below dz / 2, so that sum(phi) dz is the volume of solids per area.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile<'a> {
     /// phi at each node.
@@ -15,19 +15,19 @@ pub struct Profile<'a> {
 /// Height of a bed by three definitions, and its bottom. Lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BedHeight {
-    /// The lowest height at which phi rises through the threshold; 0 if it is above it on the plate.
+    /// The lowest height at which phi rises through the threshold; 0 if phi is above it on the plate.
     pub bottom: f64,
     /// The highest height at which phi falls through the threshold. Splashes and voids near the surface move it.
     pub by_threshold: f64,
     /// Twice the height of the centre of mass, 2 sum(z phi) / sum(phi): the top of a uniform bed that lies on the
     /// plate.
     pub by_centre_of_mass: f64,
-    /// The height below which the share of the mass lies. Steady in a bubbling bed; of a uniform bed it is the share of
-    /// its height.
+    /// The height below which the given share of the mass lies. It is steady in a bubbling bed; for a uniform bed it is
+    /// this share of its height.
     pub by_mass: f64,
 }
 
-/// What the definitions need.
+/// Parameters of the definitions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BedHeightOptions {
     /// Solids fraction that bounds the bed.
@@ -73,7 +73,7 @@ pub fn bed_height(profile: &Profile, options: &BedHeightOptions) -> Result<BedHe
     })
 }
 
-/// (H - H_ref) / H_ref: expansion of a bed over a reference state, both by the same definition. Fails if the
+/// (H - H_ref) / H_ref: expansion of a bed relative to a reference state, both by the same definition. Fails if the
 /// reference is not positive.
 pub fn expansion(height: f64, reference: f64) -> Result<f64, NoValue> {
     require_positive("the reference height", reference)?;
@@ -81,15 +81,16 @@ pub fn expansion(height: f64, reference: f64) -> Result<f64, NoValue> {
     Ok(height / reference - 1.0)
 }
 
-/// Layers left out at the plate and below the surface, in spacings: their cells are half empty, or ordered by the plate.
+/// Number of layers left out at the plate and below the surface, in spacings: their cells are half empty, or ordered by
+/// the plate.
 const END_LAYERS: f64 = 4.0;
-/// In a shallow bed no more than this part of its height is left out at either end.
+/// Largest fraction of the height that is left out at either end of a shallow bed.
 const MOST_LEFT_OUT: f64 = 0.25;
 
-/// Solids fraction of the bulk: the mean of phi over the nodes between bottom and top, both as in [`BedHeight`], less
-/// four spacings, or a quarter of the height if that is less, at either end.
+/// Solids fraction of the bulk: the mean of phi over the nodes between bottom and top, both as in [`BedHeight`],
+/// without four spacings, or a quarter of the height if this is less, at either end.
 ///
-/// Fails as [`bed_height`] does, or if no node lies in between.
+/// Fails like [`bed_height`], or if no node lies in between.
 pub fn bulk_solids_fraction(profile: &Profile, options: &BedHeightOptions) -> Result<f64, NoValue> {
     let BedHeight { bottom, by_threshold: top, .. } = bed_height(profile, options)?;
     let margin = (END_LAYERS * profile.spacing).min(MOST_LEFT_OUT * (top - bottom));
@@ -105,7 +106,7 @@ pub fn bulk_solids_fraction(profile: &Profile, options: &BedHeightOptions) -> Re
     }
 }
 
-/// Lowest and highest place at which phi crosses a threshold, in nodes, by the line between nodes.
+/// Lowest and highest position at which phi crosses a threshold, in nodes, by linear interpolation between nodes.
 fn crossings(phi: &[f64], threshold: f64) -> Result<(f64, f64), NoValue> {
     let lowest = phi.iter().position(|&phi| phi >= threshold);
     let highest = phi.iter().rposition(|&phi| phi >= threshold);
@@ -118,7 +119,7 @@ fn crossings(phi: &[f64], threshold: f64) -> Result<(f64, f64), NoValue> {
     let part = |inside: f64, outside: f64| (inside - threshold) / (inside - outside);
     let bottom = match lowest {
         0 => 0.0,
-        // Node 0 sees half a cell and may be below the threshold in a bed that lies on the plate.
+        // Node 0 averages over half a cell and may be below the threshold in a bed that lies on the plate.
         1 if 2.0 * phi[0] >= threshold => 0.0,
         node => node as f64 - part(phi[node], phi[node - 1]),
     };
@@ -129,8 +130,8 @@ fn crossings(phi: &[f64], threshold: f64) -> Result<(f64, f64), NoValue> {
     Ok((bottom, top))
 }
 
-/// The height below which a sum of phi lies, in nodes; the mass of a node is spread evenly over its cell, from half a
-/// spacing below to half a spacing above, of node 0 over the upper half.
+/// The height below which a given sum of phi lies, in nodes. The mass of a node is spread evenly over its cell, from
+/// half a spacing below to half a spacing above; for node 0 over the upper half.
 fn mass_height(phi: &[f64], share: f64) -> f64 {
     let mut below = 0.0;
     for (node, &phi) in phi.iter().enumerate() {
@@ -140,7 +141,7 @@ fn mass_height(phi: &[f64], share: f64) -> f64 {
         }
         below += phi;
     }
-    // Round-off left the sum below the whole mass.
+    // Because of round-off the sum stayed below the whole mass.
     phi.iter().rposition(|&phi| phi > 0.0).map_or(0.0, |node| node as f64 + 0.5)
 }
 
@@ -168,7 +169,7 @@ mod tests {
             let found = measure(&uniform(0.0, height));
             // First moments of hat weights are exact.
             assert!((found.by_centre_of_mass / height - 1.0).abs() < 1e-12, "{found:?}");
-            // Within the cells phi is taken as even, and edges as straight: a tenth of the spacing.
+            // Within the cells phi is assumed to be uniform, and edges to be straight: a tenth of the spacing.
             assert!((found.by_mass - 0.95 * height).abs() < 0.15, "{height} {found:?}");
             assert!((found.by_threshold - height).abs() < 0.15, "{height} {found:?}");
             assert_eq!(found.bottom, 0.0);
@@ -191,12 +192,12 @@ mod tests {
         let options = BedHeightOptions::default();
         for height in [6.0, 30.0, 150.0] {
             let mut phi = uniform(0.0, height);
-            // A layer at the plate that is ordered, and half empty cells at the surface.
+            // An ordered layer at the plate, and half-empty cells at the surface.
             phi[0] = 0.74;
             let profile = Profile { solids_fractions: &phi, spacing: 1.5 };
             let bulk = bulk_solids_fraction(&profile, &options).unwrap();
             assert!((bulk - 0.6).abs() < 1e-12, "{height}: {bulk}");
-            // The control: a plain mean over the bed is not that of the bulk.
+            // Control: a plain mean over the bed is not that of the bulk.
             let bed = &phi[..=(height / 1.5) as usize];
             assert!((bed.iter().sum::<f64>() / bed.len() as f64 - 0.6).abs() > 1e-3);
         }
@@ -208,7 +209,7 @@ mod tests {
     fn a_bursting_bubble_moves_the_threshold_but_not_the_mass() {
         let quiet = uniform(0.0, 100.0);
         let mut splashed = quiet.clone();
-        // A layer thrown 12 above the surface, its mass from the layer below the surface.
+        // A layer thrown 12 above the surface; its mass comes from the layer below the surface.
         splashed[74] = 0.4;
         splashed[65] -= 0.4;
         let (a, b) = (measure(&quiet), measure(&splashed));

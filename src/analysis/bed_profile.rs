@@ -1,4 +1,4 @@
-//! Solids fraction and velocity over the height, and where the bed begins and ends.
+//! Solids fraction and velocity over the height, and the lower and upper limits of the bed.
 
 use crate::coupling::{Bed, ColumnDeposition, DragShare};
 use crate::grid::ColumnGrid;
@@ -11,7 +11,7 @@ pub struct BedProfile {
     grid: ColumnGrid,
     deposition: ColumnDeposition,
     bed: Bed,
-    /// Solids fraction that bounds the bed.
+    /// Solids fraction at the limits of the bed.
     threshold: f64,
 }
 
@@ -27,12 +27,12 @@ impl BedProfile {
         &self.grid
     }
 
-    /// phi and u_s as of the last update.
+    /// phi and u_s at the last update.
     pub fn bed(&self) -> &Bed {
         &self.bed
     }
 
-    /// Reads the particles. Collective.
+    /// Updates the profile from the particles. Collective.
     pub fn update(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.deposition.deposit(particles, &self.grid, &mut self.bed, ranks);
     }
@@ -43,13 +43,13 @@ impl BedProfile {
         (0..self.grid.nodes()).map(|node| phi[node] * self.grid.volume_of(node)).sum()
     }
 
-    /// Heights at which phi rises above and falls below the threshold, interpolated linearly: the lowest and
-    /// the highest; both 0 if there is no bed. One layer that stays on the plate is not the bed's bottom as
+    /// Heights at which phi rises above and falls below the threshold, interpolated linearly: the lowest and the
+    /// highest; both 0 if there is no bed. A single layer that remains on the plate is not the bottom of the bed as
     /// long as it does not reach the threshold.
     pub fn bottom_and_top(&self) -> (f64, f64) {
         let phi = |node: usize| {
             let full = self.grid.cell_volume() / self.grid.volume_of(node);
-            // At the plate the solids fill half a cell only.
+            // At the plate the solids fill only half a cell.
             let halved = node == 0 && !self.grid.is_periodic() && full == 1.0;
             self.bed.solids_fraction[node] * if halved { 2.0 } else { 1.0 }
         };

@@ -1,18 +1,18 @@
-//! Coordination number: how many particles a particle touches.
+//! Coordination number: the number of particles that a particle touches.
 
 use crate::parallel::Communicator;
 
 /// The distribution of the coordination number over particles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Coordination {
-    /// Number of particles with 0, 1, 2 ... neighbours; the last holds those with as many or more.
+    /// Number of particles with 0, 1, 2 ... neighbours; the last entry includes those with more.
     pub particles: Vec<u64>,
     /// Sum of the neighbours of all particles.
     pub neighbours: u64,
 }
 
 impl Coordination {
-    /// The distribution of these numbers of neighbours; those of `most` or more are counted together.
+    /// The distribution of these numbers of neighbours; numbers of `most` or more are counted together.
     pub fn of(numbers: impl IntoIterator<Item = u32>, most: usize) -> Self {
         let mut found = Self { particles: vec![0; most + 1], neighbours: 0 };
         for number in numbers {
@@ -22,7 +22,7 @@ impl Coordination {
         found
     }
 
-    /// The distribution over the particles of all ranks, of which this is one rank's part. Collective.
+    /// The distribution over the particles of all ranks; this one is the part of one rank. Collective.
     #[must_use]
     pub fn total(&self, ranks: &dyn Communicator) -> Self {
         let counts = self.particles.iter().chain([&self.neighbours]);
@@ -43,7 +43,7 @@ impl Coordination {
         self.neighbours as f64 / self.count().max(1) as f64
     }
 
-    /// Part of the particles with 0, 1, 2 ... neighbours.
+    /// Fractions of the particles with 0, 1, 2 ... neighbours.
     pub fn fractions(&self) -> Vec<f64> {
         let count = self.count().max(1) as f64;
         self.particles.iter().map(|&particles| particles as f64 / count).collect()
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
     use crate::parallel::run_on_threads;
 
-    /// Numbers of neighbours in a simple cubic crystal of 4 x 4 x 4 particles, and of one that is alone.
+    /// Numbers of neighbours in a simple cubic crystal of 4 x 4 x 4 particles, and of a single particle.
     fn crystal() -> Vec<u32> {
         let neighbours = |k: u32| if k == 0 || k == 3 { 1 } else { 2 };
         let of = |place: u32| {

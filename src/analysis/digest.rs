@@ -1,4 +1,4 @@
-//! A number that tells two states apart: what is compared over ranks, restarts and machines.
+//! A hash that distinguishes states, for comparisons over ranks, restarts and machines.
 
 use std::fmt;
 use std::ops::Range;
@@ -16,18 +16,17 @@ use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and contact histories.
 ///
-/// Each record is hashed for itself (XXH3, 128 bits as two integers), and the hashes are
-/// added, each integer modulo 2^64. A sum does not know in which order records lie, nor on which rank, so
-/// nothing needs to be sorted or sent. It is as good as one hash over the sorted records, because every
-/// record carries its id: two states with the same records in another order *are* the same state, and
-/// two that differ in one bit of one record differ in one addend, whose new value is equal to the old
-/// one by a chance of 2^-128. (Someone who builds states on purpose could make sums meet; a bug does
-/// not.) Unlike an exclusive or, a sum also sees a record that is there twice. The sums are at last
-/// hashed together with the number of records, the step and the time.
+/// Each record is hashed by itself (XXH3, 128 bits as two integers), and the hashes are added, each integer modulo
+/// 2^64. A sum does not depend on the order of the records, nor on their ranks, so nothing needs to be sorted or sent.
+/// It is as good as one hash over the sorted records, because every record contains its id: two states with the same
+/// records in another order *are* the same state, and two that differ in one bit of one record differ in one addend,
+/// whose new value equals the old one with a probability of 2^-128. (Someone could construct states with equal sums on
+/// purpose; a bug does not.) Unlike an exclusive or, a sum also detects a record that occurs twice. Finally the sums
+/// are hashed together with the number of records, the step and the time.
 ///
-/// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. Fields of optional features are
-/// skipped while they are zero, from the end of a record; so are tables without rows, and custom fields. The digests of older
-/// runs therefore stay valid when a program gains further fields.
+/// A zero has no sign here: -0.0 and 0.0 are the same number and lead to the same future. Fields of optional features
+/// are skipped while they are zero, from the end of a record; so are tables without rows, and custom fields. The
+/// digests of older runs therefore remain valid when a program gains further fields.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
 
@@ -41,9 +40,10 @@ pub struct StateRecords<'a, P: ?Sized> {
     pub contacts: &'a [ContactRecord],
     /// Particles that touch a wall.
     pub wall_contacts: &'a [WallContactRecord],
-    /// Cells of a volume-averaged gas, or the plenum and intervals of a column gas; none without these.
+    /// Cells of a volume-averaged gas, or the plenum and intervals of a column gas; empty without these.
     pub cells: &'a [CellRecord],
-    /// Pairs that touched at the last search for agglomerates, each on one rank; none where drag does not follow from them.
+    /// Pairs that touched at the last search for agglomerates, each on one rank; empty if drag does not depend on
+    /// agglomerates.
     pub looked_at: &'a [Pair],
 }
 
@@ -51,8 +51,8 @@ pub struct StateRecords<'a, P: ?Sized> {
 const NEGATIVE_ZERO: u64 = 1 << 63;
 
 impl Digest {
-    /// The digest of the state whose records are spread over the ranks in any way, each on one rank.
-    /// Positions must be wrapped into the box. Collective.
+    /// The digest of a state whose records are spread over the ranks in any way, each on one rank. Positions must be
+    /// wrapped into the box. Collective.
     pub fn of(
         clock: &Clock,
         records: &StateRecords<'_, impl Records<ParticleRecord> + ?Sized>,
@@ -69,7 +69,7 @@ impl Digest {
         ]
         .concat();
         ranks.sum_integers(&mut sums);
-        // What is not there at all is left out: cells of a gas, pairs that were looked at, a user's fields that are all zero.
+        // Parts that do not exist are left out: cells of a gas, pairs of a search, custom fields that are all zero.
         for first in [15, 12, 9] {
             if sums[first] == 0 {
                 sums.drain(first..first + 3);
@@ -86,8 +86,8 @@ impl Digest {
     }
 }
 
-/// Number of records and sum of their hashes. The first `ids` words of a record are integers, the others doubles. Of the last
-/// fields, those that come together are left out until one of them is not zero.
+/// Number of records and sum of their hashes. The first `ids` words of a record are integers, the others doubles.
+/// Groups of fields at the end that come together are left out until one of them is not zero.
 fn sum<T: Pod>(
     kind: u8,
     (ids, fields): (usize, &[Field]),
@@ -115,7 +115,7 @@ fn sum<T: Pod>(
     sum
 }
 
-/// Numbers of the last fields that come together, from the end: those before the last field that every run has do not count.
+/// Widths of the groups of last fields that come together, from the end up to the last field that every run has.
 fn optional_widths(fields: &[Field]) -> Vec<usize> {
     let last = fields.iter().rposition(|field| field.comes_with.is_none());
     let optional = &fields[last.map_or(0, |last| last + 1)..];
@@ -125,8 +125,8 @@ fn optional_widths(fields: &[Field]) -> Vec<usize> {
     widths
 }
 
-/// Number of values of custom fields that are not zero, and sum of the hashes of each with its particle's id and the name of its
-/// field: in whatever order the fields are.
+/// Number of non-zero values of custom fields, and sum of the hashes of each with its particle's id and the name of its
+/// field: the order of the fields does not matter.
 fn sum_of_own(particles: &(impl Records<ParticleRecord> + ?Sized), own: &OwnFields) -> [i64; 3] {
     let mut sum = [0; 3];
     for (number, field) in own.fields.iter().enumerate() {
@@ -157,7 +157,7 @@ fn add_own_field(
     }
 }
 
-/// The bits of a number, of zero without its sign.
+/// The bits of a number; a zero has no sign.
 fn without_sign_of_zero(word: u64) -> u64 {
     if word == NEGATIVE_ZERO { 0 } else { word }
 }
@@ -324,7 +324,7 @@ mod tests {
         let mut without_force = plus;
         without_force.gas_force = [0.0, -0.0, 0.0];
         assert_eq!(digest(&[plus], &[]), digest(&[without_force], &[]));
-        // An id of the same bits is not a zero.
+        // An id with the same bits is not a zero.
         let strange = ParticleRecord { id: NEGATIVE_ZERO, ..plus };
         assert_ne!(digest(&[plus], &[]), digest(&[strange], &[]));
     }

@@ -1,14 +1,14 @@
-//! Fractal dimension, of a population of agglomerates and of single large ones.
+//! Fractal dimension of a population of agglomerates, and of single large ones.
 
 use super::LineFit;
 use crate::parallel::Communicator;
 use crate::particle_sets::agglomerates::Agglomerate;
 use nalgebra::{Matrix3, Vector3};
 
-/// n = k (R / r_a)^D over agglomerates of n members, radius of gyration R and member radius r_a.
+/// Fit of n = k (R / r_a)^D to agglomerates with n members, radius of gyration R and member radius r_a.
 ///
-/// ln(R / r_a) is fitted as a line in ln n, each agglomerate counting once: n is exact, and it is R that differs
-/// among agglomerates of one n. D is 1 / slope, its error that of the slope over slope^2. (The paper gives each
+/// ln(R / r_a) is fitted as a line in ln n, with equal weights for all agglomerates: n is exact, and R differs among
+/// agglomerates with the same n. D is 1 / slope, and its error is that of the slope over slope^2. (The paper gives each
 /// agglomerate a dimension of its own with k = 1: [`Agglomerate::fractal_dimension`].)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PopulationFit {
@@ -25,8 +25,9 @@ pub struct PopulationFit {
 }
 
 impl PopulationFit {
-    /// Over the agglomerates of all ranks; those without extension are left out, and so should be those smaller than
-    /// some ten members, which follow no power law. None for fewer than three, or of one size. Collective.
+    /// The fit over the agglomerates of all ranks. Those without extension are left out; those with fewer than some ten
+    /// members should be left out by the caller, since they follow no power law. `None` for fewer than three
+    /// agglomerates, or if all are of one size. Collective.
     pub fn of(found: &[Agglomerate], ranks: &dyn Communicator) -> Option<Self> {
         let extended = found.iter().filter(|agglomerate| agglomerate.radius_of_gyration > 0.0);
         let points: Vec<[f64; 2]> = extended
@@ -46,21 +47,21 @@ impl PopulationFit {
     }
 }
 
-/// Mass within a radius inside of one agglomerate: M(r) ~ r^D, the mean number of members within r of a member.
+/// Mass within a radius inside one agglomerate: M(r) ~ r^D, the mean number of members within r of a member.
 ///
-/// Fitted is Q(r) = integral of M from 0 to r = mean over members i of sum_j max(r - |x_j - x_i|, 0), which grows as
-/// r^(D + 1) and in which the shells of neighbours are smoothed:
+/// The fitted quantity is Q(r) = integral of M from 0 to r = mean over members i of sum_j max(r - |x_j - x_i|, 0). It
+/// grows as r^(D + 1), and the shells of neighbours are smoothed in it:
 ///
 /// ```math
 /// \ln Q = c + (D + 1) \ln r - b\, \frac{r}{R}
 /// ```
 ///
-/// by least squares over radii from 5 r_a to 0.9 R in steps of a factor of 1.25, R the radius of gyration. The last
-/// term stands for members near the surface, which have fewer neighbours.
+/// by least squares over radii from 5 r_a to 0.9 R in steps of a factor of 1.25, where R is the radius of gyration. The
+/// last term accounts for members near the surface, which have fewer neighbours.
 ///
-/// Rods, discs and balls of touching spheres come out within 0.05; aggregates of 512 spheres of known dimension
-/// within 0.05 in the mean, with a scatter of 0.1 from one to another. After the sandbox method of Tel, Fulop &
-/// Vicsek, Physica A 159 (1989) 155.
+/// Dimensions of rods, discs and balls of touching spheres are found to within 0.05; those of aggregates of 512 spheres
+/// of known dimension to within 0.05 in the mean, with a scatter of 0.1. The method follows the sandbox method of Tel,
+/// Fulop & Vicsek, Physica A 159 (1989) 155.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassRadius {
     /// D_f.
@@ -71,17 +72,17 @@ pub struct MassRadius {
     pub origins: usize,
 }
 
-/// Radii, in units of the member radius: below, neighbours are packing, not a fractal.
+/// Smallest radius, in units of the member radius: at smaller ones, the neighbours reflect the packing, not a fractal.
 const SMALLEST_RADIUS: f64 = 5.0;
-/// Largest radius over the radius of gyration: beyond, the surface is everywhere.
+/// Ratio of the largest radius to the radius of gyration: beyond it, the surface affects all members.
 const REACH: f64 = 0.9;
 const STEP: f64 = 1.25;
-/// Above this number of members, every second, third ... is an origin.
+/// Largest number of origins: with more members, every second, third ... is an origin.
 const MOST_ORIGINS: usize = 2000;
 
 impl MassRadius {
-    /// Of the unwrapped members of one agglomerate in order of their ids, as [`Agglomerates::members`] gives them.
-    /// None if it is too small: with fewer than four radii.
+    /// The dimension from the unwrapped members of one agglomerate in order of their ids, as returned by
+    /// [`Agglomerates::members`]. `None` if it is too small, with fewer than four radii.
     ///
     /// [`Agglomerates::members`]: crate::particle_sets::agglomerates::Agglomerates::members
     pub fn of(positions: &[Vector3<f64>], member_radius: f64) -> Option<Self> {
@@ -133,7 +134,7 @@ fn integrated_mass(positions: &[Vector3<f64>], stride: usize, radii: &[f64]) -> 
     integrals.collect()
 }
 
-/// The coefficient of the first number in z = c + p x + b y of points [x, y, z], by least squares.
+/// The coefficient of the first variable in z = c + p x + b y for points [x, y, z], by least squares.
 fn power_with_edge(points: &[[f64; 3]]) -> Option<f64> {
     let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for &[x, y, z] in points {

@@ -1,4 +1,4 @@
-//! Rods, discs, balls and clusters of known dimension; a wrong dimension is told apart.
+//! Rods, discs, balls and clusters of known dimension; a wrong dimension is detected.
 
 use super::*;
 use crate::analysis::statistics::SampleMean;
@@ -24,9 +24,9 @@ fn direction(generator: &mut ChaCha8Rng) -> Unit<Vector3<f64>> {
     Unit::new_normalize(Vector3::from_fn(|_, _| normal(generator)))
 }
 
-/// Joins two clusters so that n = k R^D holds for the whole, R its radius of gyration: tunable cluster-cluster
+/// Joins two clusters so that n = k R^D holds for the whole, where R is its radius of gyration: tunable cluster-cluster
 /// aggregation (Filippov, Zurita & Rosner, J. Colloid Interface Sci. 229 (2000) 261, doi:10.1006/jcis.2000.7027).
-/// None if no contact at that distance is found.
+/// `None` if no contact at that distance is found.
 fn joined(
     a: &Cluster,
     b: &Cluster,
@@ -68,7 +68,7 @@ fn joined(
 /// A cluster of 4 * 2^generations spheres whose parts of all generations obey n = k R^D.
 fn aggregate(generations: u32, law: (f64, f64), generator: &mut ChaCha8Rng) -> Cluster {
     if generations == 0 {
-        // Any four spheres in a chain.
+        // The first four spheres form a chain.
         return centred((0..4).map(|k| Vector3::new(2.0 * f64::from(k), 0.0, 0.0)).collect());
     }
     loop {
@@ -80,7 +80,7 @@ fn aggregate(generations: u32, law: (f64, f64), generator: &mut ChaCha8Rng) -> C
     }
 }
 
-/// What the measure of agglomerates says of a cluster.
+/// The properties of a cluster as an agglomerate.
 fn agglomerate(cluster: &Cluster) -> Agglomerate {
     Agglomerate {
         members: cluster.len() as u64,
@@ -119,7 +119,7 @@ fn populations_of_known_dimension_are_told_apart() {
 
 #[test]
 fn scatter_of_the_radius_is_in_the_error() {
-    // ln R with a standard deviation of 0.1, as of real agglomerates.
+    // ln R has a standard deviation of 0.1, as for real agglomerates.
     let mut inside = 0;
     for trial in 0..40 {
         let mut generator = random_of(2, trial, "scatter");
@@ -165,7 +165,7 @@ fn rods_discs_and_balls_have_their_dimensions() {
     }
 }
 
-/// A three-dimensional snowflake of Vicsek: seven copies at three times the scale, dimension ln 7 / ln 3 = 1.771.
+/// A three-dimensional Vicsek snowflake: seven copies at three times the scale, dimension ln 7 / ln 3 = 1.771.
 fn snowflake(generations: u32) -> Cluster {
     let mut cluster = vec![Vector3::zeros()];
     let mut scale = 2.0;
@@ -200,7 +200,7 @@ fn single_aggregates_of_known_dimension() {
         assert!((found.mean.value - dimension).abs() < 0.05 + 2.0 * found.mean.error, "{found:?}");
         means.push(found);
     }
-    // The control: the two are told apart by many errors.
+    // Control: the two differ by many errors.
     let error = means[0].mean.error.hypot(means[1].mean.error);
     assert!(means[1].mean.value - means[0].mean.value > 4.0 * error, "{means:?}");
 }

@@ -6,19 +6,19 @@ use crate::particle_sets::exact_sums::totals;
 
 /// y = intercept + slope x by least squares, with standard errors.
 ///
-/// With n points, their means x_m and y_m, S_xx = sum of (x - x_m)^2 and S_xy = sum of (x - x_m)(y - y_m), the slope
-/// is S_xy / S_xx. With s^2 = sum of squared residuals / (n - 2) the errors are s / sqrt(S_xx) of the slope, and s
-/// sqrt(1/n + x_m^2 / S_xx) of the intercept. They hold for residuals that are independent of each other and of one
-/// variance. (Draper & Smith, "Applied Regression Analysis", chapter 1.)
+/// With n points, their means x_m and y_m, S_xx = sum of (x - x_m)^2 and S_xy = sum of (x - x_m)(y - y_m), the slope is
+/// S_xy / S_xx. With s^2 = sum of squared residuals / (n - 2), the errors are s / sqrt(S_xx) for the slope, and s
+/// sqrt(1/n + x_m^2 / S_xx) for the intercept. They hold for independent residuals with equal variance. (Draper &
+/// Smith, "Applied Regression Analysis", chapter 1.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineFit {
-    /// Rise of y over x, in the unit of y over that of x.
+    /// Increase of y with x, in the unit of y over that of x.
     pub slope: Estimate,
     /// Value at x = 0, in the unit of y.
     pub intercept: Estimate,
     /// s, the standard deviation of the points about the line, with n - 2 degrees of freedom.
     pub residual: f64,
-    /// Part of y's variance that the line explains, R^2; 1 if y is constant.
+    /// Fraction of the variance of y that the line explains, R^2; 1 if y is constant.
     pub determination: f64,
     /// Number of points.
     pub points: u64,
@@ -39,7 +39,7 @@ impl LineFit {
         Self::through(&points, &OneRank)
     }
 
-    /// The line through all ranks' points [x, y]; the same bits for any distribution over ranks. Collective.
+    /// The line through the points [x, y] of all ranks, with the same bits for any distribution over ranks. Collective.
     ///
     /// Fails on all ranks for fewer than three points, if all x are equal, or if a number is not finite.
     pub fn through(points: &[[f64; 2]], ranks: &dyn Communicator) -> Result<Self, NoValue> {
@@ -50,7 +50,7 @@ impl LineFit {
         let slope = xy / xx;
         let residuals = centred().map(|[x, y]| [(y - slope * x) * (y - slope * x)]);
         let [squares] = totals(residuals, ranks);
-        // The sums are the same everywhere, and so are the answers.
+        // The sums are equal on all ranks, and so are the results.
         if n < 3.0 {
             return Err(NoValue::because(format!(
                 "there are {n} points; a line with errors needs three"

@@ -1,11 +1,11 @@
-//! The numbers of one row of the series: balances, pressure drops, and how the bed moves. Name, kind and formula of each
-//! stand in one place.
+//! The numbers of one row of the series: balances, pressure drops, and motion of the bed. Name, kind and formula of
+//! each are defined in one place.
 
 use super::observation::Observation;
 use super::{BedProfile, MomentumProbe, RunView};
 use crate::parallel::Communicator;
 
-/// What kind of quantity a number is: its unit follows from it.
+/// Kind of a quantity, which determines its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Time.
@@ -36,7 +36,7 @@ pub enum Quantity {
     Diffusivity,
     /// Per time.
     Rate,
-    /// An angle that is printed, in degrees in either system of units.
+    /// An angle that is printed, in degrees in both systems of units.
     Degrees,
     /// Without a unit.
     Number,
@@ -45,18 +45,18 @@ pub enum Quantity {
 /// A column of the series.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// What the header calls it.
+    /// Its name in the header.
     pub name: &'static str,
-    /// What kind of quantity it is.
+    /// Kind of quantity.
     pub quantity: Quantity,
     /// Its value in a row.
     pub value: fn(&Measures) -> f64,
 }
 
-/// Makes [`Measures`], its columns, and how they follow from an [`Observation`], from one entry for each number.
+/// Defines [`Measures`], its columns, and their computation from an [`Observation`], by one entry for each number.
 macro_rules! measures {
     ($($(#[$meaning:meta])* $name:ident: $quantity:ident = $formula:expr;)*) => {
-        /// What the bed does at one instant. "Over weight" is over the bed's weight at rest, M g.
+        /// The state of the bed at one instant. "Over weight" means divided by the bed's weight at rest, M g.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct Measures {
             $($(#[$meaning])* pub $name: f64,)*
@@ -81,15 +81,16 @@ macro_rules! measures {
 measures! {
     /// Time.
     time: Time = |it| it.time;
-    /// U_s, of a compressible column gas at the plate and as volume at the pressure above, for a volume-averaged gas its mean over
-    /// the bottom; 0 without gas.
+    /// U_s; for a compressible column gas that at the plate, as volume at the pressure above the bed; for a
+    /// volume-averaged gas its mean over the bottom; 0 without gas.
     superficial_velocity: Speed = |it| it.gas.superficial_velocity;
     /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight; for a
-    /// volume-averaged gas its mean pressure at the bottom less that at the top, hydrostatic head left out.
+    /// volume-averaged gas its mean pressure at the bottom less that at the top, without the hydrostatic head.
     grid_pressure_drop: Number = |it| it.over_weight(it.pressure_force);
     /// Pressure of the plenum from which a column gas comes, less that above the bed; 0 without a plenum.
     plenum_pressure: Pressure = |it| it.gas.plenum_pressure;
-    /// Vertical gas force on all particles, over weight: for a column gas on a plate the pressure there less that above the bed.
+    /// Vertical gas force on all particles, over weight; for a column gas on a plate it is the pressure there less that
+    /// above the bed.
     gas_force: Number = |it| it.over_weight(it.gas_force);
     /// Force on the base plate, downwards, over weight.
     plate_stress: Number = |it| it.over_weight(it.plate_force);
@@ -99,11 +100,11 @@ measures! {
     effective_gravity: Number = |it| ratio(it.effective_gravity, it.gravity);
     /// Height of the centre of mass.
     centre_height: Length = |it| ratio(it.particles.moment, it.particles.mass);
-    /// Its vertical velocity.
+    /// Vertical velocity of the centre of mass.
     centre_velocity: Speed = |it| ratio(it.particles.vertical_momentum, it.particles.mass);
     /// Lowest height of the bed.
     bed_bottom: Length = |it| it.bed_bottom;
-    /// Highest.
+    /// Highest height of the bed.
     bed_top: Length = |it| it.bed_top;
     /// Kinetic energy of the mean motion, M V^2 / 2.
     kinetic_energy_of_mean_motion: Energy = |it| it.mean_energy;
@@ -124,22 +125,24 @@ measures! {
     departed: Number = |it| it.departed as f64;
     /// Iterations of the pressure equation in the last step of a volume-averaged gas.
     gas_iterations: Number = |it| it.gas.report.iterations as f64;
-    /// Its Courant number.
+    /// Courant number of that gas.
     gas_courant: Number = |it| it.gas.report.courant;
-    /// Cells whose voidage was below the least one in that step and was raised to it.
+    /// Number of cells whose voidage was below the smallest one in that step and was raised to it.
     raised_cells: Number = |it| it.gas.report.raised_cells as f64;
-    /// Largest component of what particles gained in that step less what the gas lost, over weight.
+    /// Largest component of the difference between the momentum gained by particles in that step and that lost by the
+    /// gas, over weight.
     exchange_error: Number = |it| it.over_weight(it.gas.report.momentum_error);
-    /// Mean over the particles of xi, the drag over that of the law, in that step, if it follows from their agglomerates; 0 otherwise.
+    /// Mean over the particles of xi, the ratio of the drag to that of the law, in that step, if it depends on their
+    /// agglomerates; 0 otherwise.
     drag_factor: Number = |it| ratio(it.particles.drag_factors, it.particles.count);
 }
 
-/// A number over another, and 0 where that is 0.
+/// A number divided by another; 0 if the latter is 0.
 fn ratio(value: f64, total: f64) -> f64 {
     if total > 0.0 { value / total } else { 0.0 }
 }
 
-/// Reads off everything. Collective.
+/// Computes all numbers. Collective.
 ///
 /// Before: `view` is of the end of a step; `probe` was taken before that step, if there was one.
 pub fn measure(

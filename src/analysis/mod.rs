@@ -1,14 +1,15 @@
-//! What is read off a state, and what follows from series, profiles, fields and contacts: never changes a state, knows no
-//! files.
+//! Observations of a state, and evaluation of series, profiles, fields and contacts. This module never changes a state,
+//! and does not handle files.
 //!
-//! * Of a state, while it runs: [`measure`], [`wall_forces`], [`BedProfile`], [`Digest`].
-//! * Of series, profiles and fields: [`waves`], [`spectrum`], [`phase_average`], [`minimum_fluidisation`],
-//!   [`bed_height`], [`bubbles`], [`repose`], [`residence`], [`statistics`]. Plain slices in, plain structs out, or a [`NoValue`] that
-//!   says why there is none. Arithmetic is done in a fixed order and elementary functions are those of `libm`: the same
-//!   input gives the same bits on any machine.
-//! * Of particles and contacts spread over ranks: [`components`], [`agglomerates`], [`PersistentContacts`], [`breakage`],
-//!   [`PopulationFit`] and [`MassRadius`] (fractal dimension), [`mixing`], [`Coordination`], [`stress`], [`EnergyLedger`].
-//!   The same bits for any distribution over ranks, if positions are multiples of the quantum of positions.
+//! * For a state during a run: [`measure`], [`wall_forces`], [`BedProfile`], [`Digest`].
+//! * For series, profiles and fields: [`waves`], [`spectrum`], [`phase_average`], [`minimum_fluidisation`],
+//!   [`bed_height`], [`bubbles`], [`repose`], [`residence`], [`statistics`]. Arguments are plain slices, and results
+//!   are plain structs, or a [`NoValue`] that gives the reason why there is none. Arithmetic is done in a fixed order
+//!   and elementary functions are those of `libm`: the same input gives the same bits on any machine.
+//! * For particles and contacts spread over ranks: [`components`], [`agglomerates`], [`PersistentContacts`],
+//!   [`breakage`], [`PopulationFit`] and [`MassRadius`] (fractal dimension), [`mixing`], [`Coordination`], [`stress`],
+//!   [`EnergyLedger`]. Results have the same bits for any distribution over ranks, if positions are multiples of the
+//!   quantum of positions.
 //!
 //! Quantities have the units of the input.
 

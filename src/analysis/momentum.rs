@@ -4,7 +4,7 @@ use super::sums::sums;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 
-/// Momentum and total force before a step, to be held against those after it.
+/// Momentum and total force before a step, for comparison with those after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentumProbe {
     momentum: [f64; 3],
@@ -12,7 +12,7 @@ pub struct MomentumProbe {
 }
 
 impl MomentumProbe {
-    /// Momentum and total force now. Collective.
+    /// The present momentum and total force. Collective.
     pub fn take(particles: &Particles, ranks: &dyn Communicator) -> Self {
         let [px, py, pz, fx, fy, fz] = sums(particles, ranks, |i| {
             let (p, f) =
@@ -22,8 +22,8 @@ impl MomentumProbe {
         Self { momentum: [px, py, pz], force: [fx, fy, fz] }
     }
 
-    /// (P_after - P_before) / dt - (F_before + F_after) / 2, where F_after is not the sum over particles but
-    /// what walls, gas and weight are said to do: contact forces cancel, or this is not zero.
+    /// (P_after - P_before) / dt - (F_before + F_after) / 2, where F_after is not the sum over particles but the
+    /// reported sum for walls, gas and weight: it is zero only if contact forces cancel.
     fn imbalance(&self, after: &Self, external: [f64; 3], dt: f64) -> [f64; 3] {
         std::array::from_fn(|axis| {
             let change = (after.momentum[axis] - self.momentum[axis]) / dt;
@@ -31,13 +31,14 @@ impl MomentumProbe {
         })
     }
 
-    /// The largest component of the imbalance over a step of length `dt`, whose external force at its end is `external`.
+    /// The largest component of the imbalance over a step of length `dt`, where `external` is the external force at its
+    /// end.
     pub(super) fn largest_imbalance(&self, after: &Self, external: [f64; 3], dt: f64) -> f64 {
         let errors = self.imbalance(after, external, dt);
         errors.iter().fold(0.0, |largest: f64, error| largest.max(error.abs()))
     }
 
-    /// Momentum at that time.
+    /// Momentum at the time of the probe.
     pub(super) fn momentum(&self) -> [f64; 3] {
         self.momentum
     }

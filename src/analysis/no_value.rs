@@ -1,15 +1,15 @@
-//! Why a measure has no value.
+//! The reason why a measure has no value.
 
 use std::fmt;
 
-/// Says why a quantity cannot be measured from the data at hand.
+/// The reason why a quantity cannot be measured from the given data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoValue {
     reason: String,
 }
 
 impl NoValue {
-    /// With a reason that completes the sentence "no value can be given, because ...".
+    /// A reason, which completes the sentence "no value can be given, because ...".
     pub fn because(reason: impl Into<String>) -> Self {
         Self { reason: reason.into() }
     }
@@ -28,7 +28,7 @@ impl fmt::Display for NoValue {
 
 impl std::error::Error for NoValue {}
 
-/// Refuses numbers that are infinite or not a number.
+/// Rejects numbers that are infinite or not a number.
 pub(crate) fn require_finite(name: &str, values: &[f64]) -> Result<(), NoValue> {
     match values.iter().position(|value| !value.is_finite()) {
         None => Ok(()),
@@ -38,7 +38,7 @@ pub(crate) fn require_finite(name: &str, values: &[f64]) -> Result<(), NoValue> 
     }
 }
 
-/// Refuses a number that is not positive and finite.
+/// Rejects a number that is not positive and finite.
 pub(crate) fn require_positive(name: &str, value: f64) -> Result<(), NoValue> {
     if value.is_finite() && value > 0.0 {
         Ok(())

@@ -1,4 +1,4 @@
-//! What the numbers of the series are made of: sums over particles, forces from outside, and the gas.
+//! The data for the numbers of the series: sums over particles, external forces, and the gas.
 
 use super::sums::sums;
 use super::{BedProfile, MomentumProbe};
@@ -7,14 +7,14 @@ use crate::parallel::Communicator;
 use crate::particles::{AGGLOMERATE, AgglomerateOfParticle};
 use crate::state::{Domain, Models, State, Workspace};
 
-/// A run at the end of a step, to be read.
+/// Read-only view of a run at the end of a step.
 #[derive(Clone, Copy)]
 pub struct RunView<'a> {
     /// The state.
     pub state: &'a State,
     /// Box and walls.
     pub domain: &'a Domain,
-    /// What acts.
+    /// The models that act on the particles.
     pub models: &'a Models,
     /// Lists, forces on walls, and the gas on its grid.
     pub work: &'a Workspace,
@@ -42,9 +42,9 @@ pub(super) struct ParticleSums {
     /// Sum of the kinetic energy of translation.
     pub(super) energy: f64,
     pub(super) volume: f64,
-    /// Touching neighbours; twice the number of touching pairs.
+    /// Sum of touching neighbours: twice the number of touching pairs.
     pub(super) neighbours: f64,
-    /// Sum of drag factors that follow from agglomerates.
+    /// Sum of the drag factors that depend on agglomerates.
     pub(super) drag_factors: f64,
 }
 
@@ -58,7 +58,7 @@ struct ExternalForces {
     plate: f64,
 }
 
-/// A run at one instant, in sums that are the same on all ranks and on any number of them.
+/// A run at one instant, as sums that are equal on all ranks and for any number of ranks.
 pub(super) struct Observation {
     pub(super) time: f64,
     pub(super) particles: ParticleSums,
@@ -85,7 +85,7 @@ pub(super) struct Observation {
 }
 
 impl Observation {
-    /// Reads a run. Collective.
+    /// Computes the sums for a run. Collective.
     ///
     /// Before: the view is of the end of a step; `probe` was taken before that step, if there was one.
     pub(super) fn of(
@@ -129,7 +129,7 @@ impl Observation {
         }
     }
 
-    /// A force over the weight of the bed at rest; as it is if there is no weight.
+    /// A force divided by the weight of the bed at rest; unchanged if there is no weight.
     pub(super) fn over_weight(&self, force: f64) -> f64 {
         if self.weight > 0.0 { force / self.weight } else { force }
     }
@@ -141,7 +141,7 @@ impl ParticleSums {
         let height = |i: usize| domain.bounds.wrap_coordinate(2, particles.body[i].position.z);
         let of_particle = |i: usize| {
             let (m, v) = (particles.body[i].mass, particles.body[i].velocity);
-            // Those of all particles of the rank, counted once.
+            // The neighbours of all particles of the rank, counted once.
             let neighbours = if i == 0 { 2 * state.contacts.touching_count() } else { 0 };
             let energy = 0.5 * m * v.norm_squared();
             let (volume, xi) = (
@@ -157,7 +157,7 @@ impl ParticleSums {
 }
 
 impl ExternalForces {
-    /// Of the last force evaluation, in which walls are pushed by the particles. Collective.
+    /// Forces at the last evaluation, including those of the particles on walls. Collective.
     fn of(view: RunView<'_>, ranks: &dyn Communicator) -> Self {
         let RunView { state, domain, models, work } = view;
         let on_walls = &work.on_walls;

@@ -2,12 +2,12 @@
 
 use crate::analysis::no_value::{NoValue, require_finite, require_positive};
 
-/// Fewest cycles from which an error can be taken.
+/// Smallest number of cycles from which an error can be computed.
 const FEWEST_CYCLES: usize = 2;
-/// The part of a cycle by which a record may miss its ends and still count it.
+/// Fraction of a cycle by which a record may miss its ends while the cycle still counts.
 const TOLERANCE: f64 = 1e-6;
 
-/// Where the phase is zero, how fine it is divided, and what is left out.
+/// Zero of the phase, number of bins, and cycles that are left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseOptions {
     /// Frequency f of the cycle.
@@ -23,29 +23,29 @@ pub struct PhaseOptions {
 /// Means over phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseAverage {
-    /// Phase of each bin's centre, as a part of a cycle from 0 to below 1.
+    /// Phase of each bin's centre, as a fraction of a cycle from 0 to below 1.
     pub phases: Vec<f64>,
-    /// Mean over the cycles of each bin's mean in a cycle; None if no cycle has samples there. Unit of the series.
+    /// Mean over the cycles of each bin's mean in a cycle; `None` if no cycle has samples there. Unit of the series.
     pub means: Vec<Option<f64>>,
-    /// Standard error of that mean from the spread between cycles; None if fewer than two cycles have samples there.
+    /// Standard error of that mean from the spread between cycles; `None` if fewer than two cycles have samples there.
     pub errors: Vec<Option<f64>>,
     /// Standard deviation between cycles, likewise.
     pub deviations: Vec<Option<f64>>,
     /// Mean of each bin in each cycle, \[cycle\]\[bin\].
     pub cycles: Vec<Vec<Option<f64>>>,
-    /// Mean over phase of the means, and its standard error between cycles; None if a bin is empty.
+    /// Mean over phase of the means, and its standard error between cycles; `None` if a bin is empty.
     pub cycle_mean: Option<crate::analysis::no_value::Estimate>,
-    /// Time at which the first cycle that counts begins.
+    /// Time at which the first counted cycle begins.
     pub start: f64,
 }
 
 /// Averages samples at equal phase, f (t - origin) modulo 1.
 ///
-/// Cycles are complete periods from phase -1/(2B) on, so that the first bin is not divided. Samples need not be even
-/// in time; within a bin of a cycle they have equal weights. The bins of a cycle are averaged first and the cycles
-/// then, so that cycles are the independent values from which errors come. Times must not decrease.
+/// Cycles are complete periods from phase -1/(2B) on, so that the first bin is not divided. Samples need not be evenly
+/// spaced in time; within a bin of a cycle they have equal weights. The bins of a cycle are averaged first and the
+/// cycles then, so that cycles are the independent values from which errors are computed. Times must not decrease.
 ///
-/// Fails if fewer than two complete cycles are left, or no bin has samples in two of them.
+/// Fails if fewer than two complete cycles are left, or no bin has samples in two cycles.
 pub fn phase_average(
     times: &[f64],
     values: &[f64],
@@ -57,7 +57,7 @@ pub fn phase_average(
     let place = |time: f64| (time - options.origin) * options.frequency + 0.5 / bins as f64;
     let (first, last) = (place(times[0]), place(times[times.len() - 1]));
     let begin = libm::ceil(first - TOLERANCE) + options.skipped_cycles as f64;
-    // The last sample stands for the interval after it, up to the typical one.
+    // The last sample represents the interval after it, up to the typical length.
     let step = (last - first) / (times.len() - 1) as f64;
     let complete = libm::floor(last + step + TOLERANCE) - begin;
     if complete < FEWEST_CYCLES as f64 {
@@ -69,7 +69,7 @@ pub fn phase_average(
     }
     let mut sums = vec![vec![(0.0, 0.0); bins]; complete as usize];
     for (&time, &value) in times.iter().zip(values) {
-        // Rounded, so that a sample on the edge of a bin falls into the same bin in every cycle.
+        // The place is rounded, so that a sample on the edge of a bin falls into the same bin in every cycle.
         let place = libm::round((place(time) - begin) * bins as f64 / TOLERANCE) * TOLERANCE;
         if place >= 0.0 && place < complete * bins as f64 {
             let bin = place as usize;
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn errors_are_those_between_cycles() {
-        // Noise that is the same all over a cycle: samples within a cycle do not lessen it.
+        // The noise is constant during a cycle, so samples within a cycle do not reduce it.
         let mut random = ChaCha8Rng::seed_from_u64(2);
         let offsets: Vec<f64> = (0..41).map(|_| random.random::<f64>()).collect();
         let (times, mut values) = series(1, 0.0, true);

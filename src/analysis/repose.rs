@@ -1,9 +1,9 @@
-//! Angle of repose: the surface of a heap along a horizontal axis, and how steep its sides are.
+//! Angle of repose: the surface of a heap along a horizontal axis, and the slope of its sides.
 
 use super::no_value::{Estimate, NoValue, require_finite, require_positive};
 
-/// Share of the crest's height at which the fall of a side begins, and that at which it ends: the rounded crest and the thin
-/// foot are left out.
+/// Fractions of the crest's height between which the slope of a side is measured: the rounded crest and the thin foot
+/// are left out.
 const FALL: [f64; 2] = [0.8, 0.2];
 
 /// The height of a heap in columns of equal width, side by side along a horizontal axis.
@@ -11,11 +11,11 @@ const FALL: [f64; 2] = [0.8, 0.2];
 pub struct Surface {
     /// Width of a column.
     pub width: f64,
-    /// Heights of the columns over the plate; 0 where the plate is bare.
+    /// Heights of the columns above the plate; 0 where the plate is bare.
     pub heights: Vec<f64>,
 }
 
-/// Where a heap lies: its extent along the axis from 0, and across it from 0.
+/// Base of a heap: its extent along the axis from 0, and across it from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plate {
     /// Length along the axis.
@@ -24,25 +24,26 @@ pub struct Plate {
     pub breadth: f64,
 }
 
-/// A sphere of a heap: its places along and across the axis, its height, its radius.
+/// A sphere of a heap: its positions along and across the axis, its height, its radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grain {
-    /// Place of the centre along the axis.
+    /// Position of the centre along the axis.
     pub along: f64,
-    /// Place of the centre across the axis.
+    /// Position of the centre across the axis.
     pub across: f64,
-    /// Height of the centre over the plate.
+    /// Height of the centre above the plate.
     pub height: f64,
     /// Radius.
     pub radius: f64,
 }
 
 impl Surface {
-    /// The surface of these spheres. The plate is cut into squares whose sides are about `side`. The height of a column is the mean
-    /// over its squares, across the axis, of the highest point of the highest sphere whose centre lies above the square.
+    /// The surface of these spheres. The plate is divided into squares whose sides are about `side`. The height of a
+    /// column is the mean over its squares, across the axis, of the highest point of the highest sphere whose centre
+    /// lies above the square.
     ///
     /// # Errors
-    /// If a length is not positive, or a place not finite.
+    /// If a length is not positive, or a position is not finite.
     pub fn of(grains: &[Grain], plate: Plate, side: f64) -> Result<Self, NoValue> {
         require_positive("the plate's length", plate.length)?;
         require_positive("the plate's breadth", plate.breadth)?;
@@ -68,21 +69,21 @@ impl Surface {
         self.heights.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Place of the middle of a column along the axis.
+    /// Position of the middle of a column along the axis.
     pub fn place(&self, column: usize) -> f64 {
         (column as f64 + 0.5) * self.width
     }
 
-    /// The angle of repose in degrees: of each side
+    /// The angle of repose in degrees, for each side
     ///
     /// ```math
     /// \theta = \arctan \frac{0.6\, H}{\lvert x(0.2\, H) - x(0.8\, H) \rvert}
     /// ```
     ///
-    /// with H the height of the crest and x(h) where the surface, followed from the crest outwards, first falls through h; the mean
-    /// of the sides that fall so far. Beyond the end of the plate the height is 0 if particles can leave there (`open`, at
-    /// the lower and the upper end); a wall ends the side. The error is half of the difference between two sides, infinite
-    /// if there is one.
+    /// where H is the height of the crest, and x(h) the position at which the surface, followed from the crest
+    /// outwards, first falls through h. The result is the mean over the sides that fall this far. Beyond the end of the
+    /// plate the height is 0 if particles can leave there (`open`, at the lower and the upper end); a wall ends the
+    /// side. The error is half of the difference between two sides, infinite if there is only one.
     ///
     /// # Errors
     /// If there is no heap, or no side of it falls to a fifth of the crest.
@@ -116,7 +117,7 @@ impl Surface {
     }
 }
 
-/// Where heights first fall through a level, in steps from the first, by a straight line between two.
+/// Position at which heights first fall through a level, in steps from the first, by linear interpolation.
 fn first_fall(heights: &[f64], level: f64) -> Option<f64> {
     let next = heights.iter().position(|&height| height < level)?;
     let (before, after) = (heights[next.checked_sub(1)?], heights[next]);
@@ -133,16 +134,16 @@ mod tests {
 
     #[test]
     fn straight_sides_have_their_angle() {
-        // One in two, and one in one, from a crest of 20.
+        // Slopes of one in two, and one in one, from a crest of 20.
         let heap = surface(&[
             0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 18.0, 16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0,
         ]);
         let angle = heap.angle([true, true]).unwrap();
         let [steep, flat] = [2.0_f64, 1.0].map(|slope| slope.atan().to_degrees());
-        // Heights are on straight lines: rounding alone.
+        // Heights lie on straight lines, so there is only rounding.
         assert!((angle.value - 0.5 * (steep + flat)).abs() < 1e-9, "{angle:?}");
         assert!((angle.error - 0.5 * (steep - flat)).abs() < 1e-9, "{angle:?}");
-        // The control: heights twice as large are another heap.
+        // Control: heights twice as large give another angle.
         let high = surface(&heap.heights.iter().map(|height| 2.0 * height).collect::<Vec<_>>());
         assert!(high.angle([true, true]).unwrap().value > angle.value + 5.0);
     }

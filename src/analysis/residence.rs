@@ -4,22 +4,22 @@ use crate::analysis::no_value::{Estimate, NoValue, require_finite, require_posit
 use crate::analysis::statistics::moments;
 use std::collections::BTreeMap;
 
-/// A particle's centre passes a horizontal plane.
+/// The passage of a particle's centre through a horizontal plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// Global id of the particle.
     pub particle: u64,
     /// Number of the plane.
     pub plane: usize,
-    /// When.
+    /// Time of the crossing.
     pub time: f64,
-    /// Whether it goes upwards.
+    /// Whether it is upwards.
     pub upwards: bool,
     /// Mass of the particle.
     pub mass: f64,
 }
 
-/// Solids that pass a plane. Mass over area and time.
+/// Flux of solids through a plane. Mass over area and time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidsFlux {
     /// Upwards.
@@ -32,9 +32,9 @@ pub struct SolidsFlux {
     pub crossings: [u64; 2],
 }
 
-/// Flux through each of `planes` planes of an area within a duration: masses that passed over area and time.
+/// Flux through each of `planes` planes of an area within a duration: passing masses over area and time.
 ///
-/// Fails if area or duration are not positive, a mass is not finite, or a crossing names a plane that does not exist.
+/// Fails if area or duration is not positive, a mass is not finite, or a crossing names a plane that does not exist.
 pub fn solids_flux(
     crossings: &[Crossing],
     planes: usize,
@@ -75,35 +75,36 @@ pub fn solids_flux(
 pub struct Gate {
     /// Number of the plane.
     pub plane: usize,
-    /// Whether upwards.
+    /// Whether it is passed upwards.
     pub upwards: bool,
 }
 
 /// Distribution of residence times between two gates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResidenceTimes {
-    /// Mean residence time and its standard error, passages being independent.
+    /// Mean residence time and its standard error for independent passages.
     pub mean: Estimate,
     /// Standard deviation.
     pub deviation: f64,
     /// Lower ends of the bins, from 0; all have the same width.
     pub times: Vec<f64>,
-    /// E(t), so that its integral over all bins is 1. One over time.
+    /// E(t), normalised such that its integral over all bins is 1. One over time.
     pub density: Vec<f64>,
-    /// Complete passages.
+    /// Number of complete passages.
     pub passages: usize,
-    /// Particles that left again through the entrance.
+    /// Number of particles that left again through the entrance.
     pub returned: usize,
-    /// Particles still inside at the end. Their times are missing: unless they are few, the mean is too small.
+    /// Number of particles still inside at the end. Their times are missing: unless they are few, the mean is too
+    /// small.
     pub inside: usize,
 }
 
-/// Residence times of particles that come in through `entrance` and leave through `exit`
-/// (P. V. Danckwerts, Chem. Eng. Sci. 2 (1953) 1-13, doi:10.1016/0009-2509(53)80001-1).
+/// Residence times of particles that come in through `entrance` and leave through `exit` (P. V. Danckwerts, Chem. Eng.
+/// Sci. 2 (1953) 1-13, doi:10.1016/0009-2509(53)80001-1).
 ///
-/// A passage begins when a particle passes the entrance and is given up when it passes it backwards; it ends when it
-/// passes the exit. Particles that were inside at the start are not counted. Crossings may be in any order; those of
-/// one particle at one time count in the order given.
+/// A passage begins when a particle passes the entrance and is dropped when it passes the entrance backwards; it ends
+/// when the particle passes the exit. Particles that were inside at the start are not counted. Crossings may be in any
+/// order; those of one particle at the same time count in the given order.
 ///
 /// Fails for fewer than two passages.
 pub fn residence_times(
@@ -223,7 +224,7 @@ mod tests {
         crossings.push(crossing(100, ENTRANCE, 1.0));
         crossings.push(crossing(100, down, 2.0));
         crossings.push(crossing(101, ENTRANCE, 3.0));
-        // Inside from the start: its time is unknown.
+        // The particle is inside from the start, so its time is unknown.
         crossings.push(crossing(102, EXIT, 4.0));
         let found = residence_times(&crossings, ENTRANCE, EXIT, 10).unwrap();
         assert_eq!((found.passages, found.returned, found.inside), (50, 1, 1));

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 /// Shortest segment, in samples.
 const SHORTEST_SEGMENT: usize = 16;
-/// A peak must be this many times the spectrum's level around it, relative to the upper confidence bound.
+/// Smallest ratio of a peak to the level of the spectrum around it, relative to the upper confidence bound.
 const PROMINENCE: f64 = 1.0;
 
 /// One-sided power spectral density.
@@ -16,10 +16,11 @@ const PROMINENCE: f64 = 1.0;
 pub struct PowerSpectrum {
     /// Frequencies, from 0 to half the sampling frequency.
     pub frequencies: Vec<f64>,
-    /// Density S; its integral over the frequencies is the series' variance. Square of the series' unit over frequency.
+    /// Density S, whose integral over the frequencies is the variance of the series. Square of the series' unit over
+    /// frequency.
     pub density: Vec<f64>,
     /// Lower and upper bound of the true density are `density` times these factors, with probability `confidence` at
-    /// each frequency by itself.
+    /// each single frequency.
     pub lower_factor: f64,
     /// See `lower_factor`.
     pub upper_factor: f64,
@@ -29,7 +30,7 @@ pub struct PowerSpectrum {
     pub freedom: f64,
     /// Number of overlapping segments.
     pub segments: usize,
-    /// Frequency interval over which the window smears a sine (half power), about 1.44 over a segment's duration.
+    /// Frequency interval over which the window broadens a sine (half power), about 1.44 over a segment's duration.
     pub resolution: f64,
 }
 
@@ -42,15 +43,17 @@ pub struct DominantFrequency {
     pub rms: f64,
 }
 
-/// Welch's estimate: mean periodogram of segments of `segment` samples that overlap by half, each less its mean, under
-/// a Hann window (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73, doi:10.1109/TAU.1967.1161901).
+/// Welch's estimate: mean periodogram of segments of `segment` samples that overlap by half, each without its mean,
+/// under a Hann window (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73, doi:10.1109/TAU.1967.1161901).
 ///
 /// S(f) = 2 dt |sum_n w_n (x_n - mean) exp(-2 pi i f n dt)|^2 / sum w^2, without the 2 at f = 0 and at half the
-/// sampling frequency. Degrees of freedom: 2 K / (1 + 2 sum_j (1 - j/K) rho_j^2), K segments, rho_j the correlation
-/// of windows that are j half segments apart (1/6 for neighbours; Welch 1967). A segment that is not a power of two
-/// is padded with zeros, so that densities at neighbouring frequencies are then not independent.
+/// sampling frequency. The number of degrees of freedom is 2 K / (1 + 2 sum_j (1 - j/K) rho_j^2), where K is the number
+/// of segments and rho_j the correlation of windows that are j half segments apart (1/6 for neighbours; Welch 1967). A
+/// segment whose length is not a power of two is padded with zeros; densities at neighbouring frequencies are then not
+/// independent.
 ///
-/// `interval` is the time between samples. Fails if the series is shorter than a segment, or a segment than 16.
+/// `interval` is the time between samples. Fails if the series is shorter than a segment, or a segment is shorter than
+/// 16.
 pub fn welch(
     series: &[f64],
     interval: f64,
@@ -147,9 +150,9 @@ impl PowerSpectrum {
     ///
     /// Its frequency is the centroid of the density above the surrounding level, over one resolution to either side.
     /// Its standard error is the centroid's spread, sqrt(sum (f - f_0)^2 S / sum S), over the square root of half the
-    /// degrees of freedom: for a sine in noise that is too large, for a band of frequencies about right. Fails if no
-    /// peak stands out: if its lower confidence bound is below the upper one of the median density, or if the density is
-    /// larger below the resolution, where nothing can be distinguished from a drift.
+    /// degrees of freedom: this is too large for a sine in noise, and about right for a band of frequencies. Fails if
+    /// no peak stands out: if its lower confidence bound is below the upper one of the median density, or if the
+    /// density is larger below the resolution, where nothing can be distinguished from a drift.
     pub fn dominant(&self) -> Result<DominantFrequency, NoValue> {
         let step = self.frequencies.get(1).copied().unwrap_or(0.0);
         let first = (libm::ceil(self.resolution / step) as usize).max(1);
@@ -239,7 +242,7 @@ mod tests {
             let found = spectrum.dominant().unwrap();
             let off = (found.frequency.value - frequency).abs();
             assert!(off < 3.0 * found.frequency.error && off < 0.005 * frequency, "{found:?}");
-            // The variance of noise under the peak: 5 %.
+            // The error is the variance of noise under the peak: 5 %.
             assert!((found.rms / (amplitude / 2.0_f64.sqrt()) - 1.0).abs() < 0.08, "{found:?}");
             assert!((spectrum.variance() - 1.0 - 0.5 * amplitude * amplitude).abs() < 0.04);
         }
@@ -252,7 +255,7 @@ mod tests {
         let swings = |periods: f64| -> Vec<f64> {
             let phase = |index: usize| 2.0 * PI * periods * index as f64 / count as f64;
             let mut series: Vec<f64> = (0..count).map(|index| phase(index).sin()).collect();
-            // A weak and quick motion, which alone stands out from the median.
+            // A weak and fast motion, which is the only one that stands out from the median.
             series.iter_mut().enumerate().for_each(|(index, value)| {
                 *value += 0.01 * (2.0 * PI * 0.2 * index as f64).sin();
             });
@@ -261,7 +264,7 @@ mod tests {
         let reason = |series: &[f64]| welch(series, interval, 100, 0.95).unwrap().dominant();
         let error = reason(&swings(5.0)).unwrap_err();
         assert!(error.reason().contains("the record is too short"), "{error}");
-        // The control: four times as fast it is found.
+        // Control: at four times the frequency it is found.
         let found = reason(&swings(20.0)).unwrap().frequency;
         assert!((found.value - 20.0).abs() < 1.0, "{found:?}");
     }

@@ -14,7 +14,7 @@ pub struct Moments {
     pub deviation: f64,
 }
 
-/// Mean and standard deviation, in the values' unit. Fails without values.
+/// Mean and standard deviation, in the unit of the values. Fails without values.
 pub fn moments(values: &[f64]) -> Result<Moments, NoValue> {
     require_finite("values", values)?;
     if values.is_empty() {
@@ -27,14 +27,14 @@ pub fn moments(values: &[f64]) -> Result<Moments, NoValue> {
     Ok(Moments { count: values.len(), mean, deviation })
 }
 
-/// The value in the middle of the sorted ones, of an even number the upper of the two. None without values.
+/// The middle one of the sorted values; of an even number, the upper of the two middle ones. `None` without values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// Mean of a series whose values depend on those before.
+/// Mean of a series whose values are correlated with earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrelatedMean {
     /// Mean and its standard error.
@@ -50,9 +50,9 @@ pub struct CorrelatedMean {
 
 /// Mean of an evenly spaced stationary series, with a standard error sqrt(2 tau / n) times the deviation.
 ///
-/// The correlation function is summed as far as the sums of neighbours, rho(2k) + rho(2k + 1), are positive, each
-/// taken no larger than the one before (initial monotone sequence; C. J. Geyer, Stat. Sci. 7 (1992) 473-483,
-/// doi:10.1214/ss/1177011137). tau is not taken below 1/2: a series that alternates is not trusted beyond independent
+/// The correlation function is summed as long as the sums of neighbours, rho(2k) + rho(2k + 1), are positive, where
+/// each is limited by the previous one (initial monotone sequence; C. J. Geyer, Stat. Sci. 7 (1992) 473-483,
+/// doi:10.1214/ss/1177011137). tau is at least 1/2: a series that alternates is not considered better than independent
 /// values. Fails for fewer than 8 values, or if the series is shorter than ten correlation times.
 pub fn correlated_mean(values: &[f64]) -> Result<CorrelatedMean, NoValue> {
     let Moments { count, mean, deviation } = moments(values)?;
@@ -72,7 +72,7 @@ pub fn correlated_mean(values: &[f64]) -> Result<CorrelatedMean, NoValue> {
              intervals)"
         )));
     }
-    // The variance about the series' own mean is too small by the variance of that mean.
+    // The variance about the mean of the series is too small by the variance of this mean.
     let variance = deviation * deviation / (1.0 - 1.0 / effective_count);
     let mean = Estimate { value: mean, error: (variance / effective_count).sqrt() };
     Ok(CorrelatedMean { mean, deviation, correlation_time, effective_count })
@@ -99,15 +99,16 @@ fn integrated_correlation_time(values: &[f64], mean: f64) -> f64 {
 /// Standard error of a mean from blocks of one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockError {
-    /// Values in a block.
+    /// Number of values in a block.
     pub size: usize,
-    /// Standard error of the mean, blocks taken as independent: grows with the size up to a plateau.
+    /// Standard error of the mean for blocks that are treated as independent: it increases with the size up to a
+    /// plateau.
     pub error: Estimate,
 }
 
-/// Standard errors of a series' mean from blocks of 1, 2, 4, ... values, as long as there are four blocks
-/// (H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461-466, doi:10.1063/1.457480): with n blocks of
-/// variance c_0 (sum of squares over n), sqrt(c_0 / (n - 1)) (1 +- 1 / sqrt(2 (n - 1))).
+/// Standard errors of a series' mean from blocks of 1, 2, 4, ... values, as long as there are at least four blocks (H.
+/// Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461-466, doi:10.1063/1.457480): for n blocks of variance c_0
+/// (sum of squares over n), sqrt(c_0 / (n - 1)) (1 +- 1 / sqrt(2 (n - 1))).
 pub fn block_errors(values: &[f64]) -> Result<Vec<BlockError>, NoValue> {
     require_finite("values", values)?;
     if values.len() < 4 {
@@ -128,7 +129,7 @@ pub fn block_errors(values: &[f64]) -> Result<Vec<BlockError>, NoValue> {
     Ok(errors)
 }
 
-/// A mean with the interval that holds the true one with a stated probability.
+/// A mean with the interval that contains the true one with a given probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The mean.
@@ -157,17 +158,17 @@ pub fn student_interval(
     Ok(Interval { mean: mean.value, half_width, confidence })
 }
 
-/// Mean of independent values, such as one from each of several runs that differ in their seeds alone.
+/// Mean of independent values, such as one from each of several runs that differ only in their seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleMean {
-    /// The mean, and its standard error s / sqrt(n), s the standard deviation with n - 1.
+    /// The mean, and its standard error s / sqrt(n), where s is the standard deviation with n - 1.
     pub mean: Estimate,
     /// n.
     pub samples: usize,
 }
 
 impl SampleMean {
-    /// Fails for fewer than two values, or if one is not finite.
+    /// Mean of these values. Fails for fewer than two values, or if one is not finite.
     pub fn of(values: &[f64]) -> Result<Self, NoValue> {
         let Moments { count, mean, deviation } = moments(values)?;
         if count < 2 {
@@ -177,7 +178,7 @@ impl SampleMean {
         Ok(Self { mean, samples: count })
     }
 
-    /// Student's interval, which holds the true mean with this probability if the values are normal.
+    /// Student's interval, which contains the true mean with this probability if the values are normally distributed.
     pub fn interval(&self, confidence: f64) -> Result<Interval, NoValue> {
         student_interval(self.mean, self.samples as f64 - 1.0, confidence)
     }
@@ -222,7 +223,7 @@ mod tests {
                     student_interval(found.mean, found.effective_count - 1.0, 0.9).unwrap();
                 hits += f64::from(u8::from(interval.mean.abs() < interval.half_width));
             }
-            // The sequence is cut off at noise: up to a tenth too long for independent values.
+            // The sequence is cut off at noise: for independent values the time is up to a tenth too long.
             assert!((time / expected_time - 1.0).abs() < 0.12, "{a}: {time} {expected_time}");
             // The mean square of 100 means has an error of 14 %.
             assert!((variance / squares - 1.0).abs() < 0.45, "{a}: {variance} {squares}");
@@ -263,7 +264,7 @@ mod tests {
         let few = SampleMean::of(&[1.0, 3.0]).unwrap();
         assert_eq!((few.mean.value, few.mean.error, few.samples), (2.0, 1.0, 2));
         assert!((few.interval(0.95).unwrap().half_width - 12.7062).abs() < 1e-4);
-        // The control: the normal distribution's 1.96 errors would be six times too narrow.
+        // Control: the normal distribution's 1.96 errors would be six times too narrow.
         assert!(few.interval(0.95).unwrap().half_width > 6.0 * 1.96);
     }
 

@@ -1,4 +1,4 @@
-//! Sums over all particles that do not depend on the number of ranks.
+//! Sums over all particles, independent of the number of ranks.
 
 use crate::parallel::Communicator;
 use crate::particle_sets::exact_sums::totals;

@@ -1,4 +1,4 @@
-//! The force of the particles on every wall.
+//! The force of the particles on each wall.
 
 use super::RunView;
 use crate::parallel::Communicator;
@@ -11,16 +11,16 @@ pub struct WallForce {
     pub wall: String,
     /// Diameter of the particles counted; `None` for all.
     pub diameter: Option<f64>,
-    /// Contact and attraction, F.
+    /// Force of contact and attraction, F.
     pub force: Vector3<f64>,
 }
 
-/// The force on each wall by all particles, and then, if sizes are in classes, by those of each class: sums over all ranks
-/// of multiples of the force quantum, exact up to their conversion. Collective.
+/// The force on each wall by all particles and, if there are size classes, by those of each class. Sums over all ranks
+/// of multiples of the force quantum are exact up to their conversion. Collective.
 ///
-/// Forces are those of the last evaluation, at the velocities of the half step: before the first step after a restart there are
-/// none. [`View::wall_pair_forces`](crate::measures::View::wall_pair_forces) gives that of each particle, at the velocities of
-/// the whole step.
+/// Forces are those of the last evaluation, at the velocities of the half step: before the first step after a restart
+/// there are none. [`View::wall_pair_forces`](crate::measures::View::wall_pair_forces) gives the force of each
+/// particle, at the velocities of the whole step.
 pub fn wall_forces(view: RunView<'_>, ranks: &dyn Communicator) -> Vec<WallForce> {
     let RunView { domain, models, work, .. } = view;
     let tallies = &work.on_walls;
@@ -40,7 +40,7 @@ pub fn wall_forces(view: RunView<'_>, ranks: &dyn Communicator) -> Vec<WallForce
         let name = &domain.walls[wall].name;
         let of_all = forces.next().map(|force| (None, force));
         let of_classes = forces.by_ref().take(tallies.by_class(wall).len());
-        // A single class is all particles.
+        // A single class contains all particles.
         let of_classes: Vec<_> = of_classes.collect();
         let of_classes = tallies.diameters().iter().copied().map(Some).zip(of_classes);
         found.extend(of_all.into_iter().chain(of_classes).map(|(diameter, force)| WallForce {

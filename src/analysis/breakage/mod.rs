@@ -1,16 +1,16 @@
 //! Breakage and growth of agglomerates between two samples.
 //!
-//! Two samples label every particle with its agglomerate, or with none. What an agglomerate X of the first sample and an
-//! agglomerate Y of the second share is the number of particles that belong to both.
+//! Two samples label every particle with its agglomerate, or with none. The number of particles shared by an
+//! agglomerate X of the first sample and an agglomerate Y of the second is the number of particles that belong to both.
 //!
 //! * The **successor** of X is the Y that shares most particles with X; the **origin** of Y is the X that shares most
-//!   with it; of equal ones that of the smaller label.
+//!   with it; among equal ones, the one with the smallest label.
 //! * X **survives** if it is the origin of its successor and has at least half of its members there.
 //! * X **breaks** if at least `threshold` of its members are not in the successor; it **grows** if its successor has
 //!   at least `threshold` other members. It may do both: an exchange.
 //!
-//! Tables of this kind (size before, sizes after, per time) and the size at which growth and breakage are equal: Zhou
-//! et al., Chin. J. Chem. Eng. 26 (2018) 914, doi:10.1016/j.cjche.2017.05.018. The rules above are our own.
+//! For tables of this kind (size before, sizes after, per time) and the size at which growth and breakage are equal,
+//! see Zhou et al., Chin. J. Chem. Eng. 26 (2018) 914, doi:10.1016/j.cjche.2017.05.018. The rules above are our own.
 
 mod rates;
 mod survival;
@@ -26,10 +26,10 @@ use crate::particle_sets::rendezvous::{ask, send_to_rendezvous};
 use bytemuck::{Pod, Zeroable};
 use rustc_hash::FxHashMap;
 
-/// Stands for no agglomerate where labels travel.
+/// Marks the absence of an agglomerate in labels that are sent.
 const NONE: u64 = u64::MAX;
 
-/// The agglomerates of all particles at one sample, on the ranks that owned the particles then.
+/// The agglomerates of all particles at one sample, on the ranks that owned the particles at that time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Look {
     /// [id, label].
@@ -43,19 +43,19 @@ impl Look {
         Self { labels: records.collect() }
     }
 
-    /// The agglomerates of these particles; none for those that were not there. Collective.
+    /// The agglomerates of these particles; `None` for particles that were not in the sample. Collective.
     pub fn of(&self, ids: &[u64], ranks: &dyn Communicator) -> Vec<Option<u64>> {
         let here = self.at_rendezvous(ranks);
         let labels = ask(ids.iter().copied(), |id| label(&here, id), ranks);
         ids.iter().map(|&id| labels.get(id).filter(|&label| label != NONE)).collect()
     }
 
-    /// What must be stored to resume later; [`Look::of_records`] reads it on whatever ranks.
+    /// Records that must be stored to resume later; [`Look::of_records`] reads them on any ranks.
     pub fn records(&self) -> &[[u64; 2]] {
         &self.labels
     }
 
-    /// Continues from records that were stored, by whatever ranks.
+    /// Continues from records that were stored by any ranks.
     pub fn of_records(records: Vec<[u64; 2]>) -> Self {
         Self { labels: records }
     }
@@ -75,7 +75,7 @@ fn label(records: &[[u64; 2]], id: u64) -> u64 {
     place.map_or(NONE, |place| records[place][1])
 }
 
-/// A number of particles that went from one agglomerate to another, or stayed in one.
+/// A number of particles that moved from one agglomerate to another, or stayed in one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 struct Share {
@@ -86,39 +86,39 @@ struct Share {
 }
 
 impl Share {
-    /// The agglomerate of the second sample; none for particles that are in none, or have left.
+    /// The agglomerate of the second sample; `None` for particles that are in no agglomerate, or have left.
     fn after(&self) -> Option<u64> {
         (self.after != NONE).then_some(self.after)
     }
 }
 
-/// What became of one agglomerate of the first sample.
+/// Fate of one agglomerate of the first sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fate {
     /// Its label at the first sample.
     pub label: u64,
-    /// Number of its members then.
+    /// Number of its members at that sample.
     pub size: u64,
-    /// The agglomerates of the second sample that hold members of it, by ascending label.
+    /// The agglomerates of the second sample that contain members of it, by ascending label.
     pub fragments: Vec<Fragment>,
-    /// Members that are in no agglomerate now.
+    /// Number of members that are now in no agglomerate.
     pub released: u64,
-    /// The fragment that shares most with it, by place in `fragments`; none if all members were released.
+    /// Index in `fragments` of the fragment that shares most with it; `None` if all members were released.
     pub successor: Option<usize>,
 }
 
-/// An agglomerate of the second sample that holds members of one of the first.
+/// An agglomerate of the second sample that contains members of one of the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fragment {
     /// Its label at the second sample.
     pub label: u64,
-    /// Members that both share.
+    /// Number of members that both share.
     pub shared: u64,
     /// Number of its members.
     pub size: u64,
-    /// Number of agglomerates of the first sample that it has members of.
+    /// Number of agglomerates of the first sample from which it has members.
     pub sources: u64,
-    /// The one of the first sample that it shares most with.
+    /// The agglomerate of the first sample with which it shares most.
     pub origin: u64,
 }
 
@@ -128,24 +128,24 @@ impl Fate {
         self.fragments.get(self.successor?)
     }
 
-    /// Members that are not in the successor.
+    /// Number of members that are not in the successor.
     pub fn lost(&self) -> u64 {
         self.size - self.successor().map_or(0, |successor| successor.shared)
     }
 
-    /// Members of the successor that were not in this one.
+    /// Number of members of the successor that were not in this one.
     pub fn gained(&self) -> u64 {
         self.successor().map_or(0, |successor| successor.size - successor.shared)
     }
 
-    /// Whether it is the origin of its successor, with half of its members at least.
+    /// Whether it is the origin of its successor, and at least half of its members are there.
     pub fn survives(&self) -> bool {
         let is_it = |next: &Fragment| next.origin == self.label && 2 * next.shared >= self.size;
         self.successor().is_some_and(is_it)
     }
 }
 
-/// What all ranks know of an agglomerate of the second sample.
+/// Data of an agglomerate of the second sample that all ranks know.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct After {
@@ -158,9 +158,9 @@ struct After {
 /// Events between two samples.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// What became of the agglomerates of the first sample whose label meets on this rank, by ascending label.
+    /// Fates of the agglomerates of the first sample whose label has its rendezvous on this rank, by ascending label.
     pub fates: Vec<Fate>,
-    /// Agglomerates of the second sample on this rank that have no member of one of the first: [label, size].
+    /// Agglomerates of the second sample on this rank without members of any of the first: [label, size].
     pub new: Vec<[u64; 2]>,
 }
 
@@ -190,8 +190,8 @@ impl Changes {
     }
 }
 
-/// How many of the particles that meet here went from where to where, of records by ascending id. A particle that has
-/// left is in none.
+/// Numbers of particles, among those whose rendezvous is this rank, by agglomerate before and after, from records by
+/// ascending id. A particle that has left is in no agglomerate.
 fn shares(before: &[[u64; 2]], after: &[[u64; 2]]) -> Vec<Share> {
     let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());
     let mut counted = FxHashMap::<[u64; 2], u64>::default();
@@ -225,7 +225,7 @@ fn summary(shares: &[Share]) -> After {
     }
 }
 
-/// Finds what became of one agglomerate of the first sample, from its shares.
+/// Determines the fate of one agglomerate of the first sample, from its shares.
 fn fate(shares: &[Share], known: impl Fn(u64) -> Option<After>) -> Fate {
     let fragment = |share: &Share| {
         let After { label, size, sources, origin } = known(share.after()?)?;
@@ -243,7 +243,7 @@ fn fate(shares: &[Share], known: impl Fn(u64) -> Option<After>) -> Fate {
     }
 }
 
-/// The label with the largest number; of equal ones the smallest label.
+/// The label with the largest number; among equal numbers, the smallest label.
 fn largest(labels: impl Iterator<Item = (u64, u64)>) -> Option<(u64, u64)> {
     labels.max_by_key(|&(label, number)| (number, std::cmp::Reverse(label)))
 }

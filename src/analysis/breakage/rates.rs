@@ -3,12 +3,12 @@
 use super::Fate;
 use crate::parallel::Communicator;
 
-/// Counts of events by the size of the agglomerate before, over any number of pairs of samples of one interval.
+/// Counts of events by the previous size of the agglomerate, over any number of pairs of samples with one interval.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RateCounts {
     /// Bin k holds `limits[k] <= members < limits[k + 1]`.
     limits: Vec<u64>,
-    /// Members that must be lost or gained for an event.
+    /// Number of members that must be lost or gained for an event.
     threshold: u64,
     /// [observed, broken, grown, lost, lost squared, gained, gained squared] by bin.
     counts: Vec<[i64; 7]>,
@@ -26,30 +26,30 @@ pub struct Rate {
 /// Rates of agglomerates of one bin of sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatesOfSize {
-    /// From this number of members, and below this one.
+    /// Limits of the number of members: from the first, and below the second.
     pub sizes: [u64; 2],
     /// Number of agglomerates observed over one interval.
     pub observed: u64,
-    /// Breakage events per agglomerate and time: n / (N dt), error sqrt(n) / (N dt) as for a Poisson process (one
-    /// event counts for the error if there was none).
+    /// Breakage events per agglomerate and time: n / (N dt), with the error sqrt(n) / (N dt) of a Poisson process (if
+    /// there was no event, the error is that of one).
     pub breakage: Rate,
-    /// Growth events, likewise.
+    /// Growth events per agglomerate and time, likewise.
     pub growth: Rate,
-    /// Members lost per agglomerate and time; the error from the sum of the squares of single losses.
+    /// Members lost per agglomerate and time; the error is computed from the sum of the squares of single losses.
     pub lost: Rate,
-    /// Members gained, likewise.
+    /// Members gained per agglomerate and time, likewise.
     pub gained: Rate,
 }
 
 impl RateCounts {
-    /// Without events. Sizes outside of the ascending limits are not counted; an event changes at least `threshold`
+    /// Counts without events. Sizes outside the ascending limits are not counted; an event changes at least `threshold`
     /// members.
     pub fn new(limits: &[u64], threshold: u64) -> Self {
         let counts = vec![[0; 7]; limits.len().saturating_sub(1)];
         Self { limits: limits.to_vec(), threshold: threshold.max(1), counts }
     }
 
-    /// Counts what became of agglomerates of this rank.
+    /// Counts the fates of agglomerates of this rank.
     pub fn add<'a>(&mut self, fates: impl IntoIterator<Item = &'a Fate>) {
         for fate in fates {
             let bin = self.limits.partition_point(|&limit| limit <= fate.size);
@@ -75,14 +75,14 @@ impl RateCounts {
         counts.zip(stored).for_each(|(count, stored)| *count += stored);
     }
 
-    /// The rates of each bin, of the counts of all ranks, with the time between two samples. Collective.
+    /// The rates of each bin, from the counts of all ranks and the time between two samples. Collective.
     pub fn rates(&self, interval: f64, ranks: &dyn Communicator) -> Vec<RatesOfSize> {
         let mut sums = self.counts.concat();
         ranks.sum_integers(&mut sums);
         let bins = sums.chunks_exact(7).zip(self.limits.windows(2));
         bins.map(|(sums, limits)| {
             let exposure = sums[0] as f64 * interval;
-            // Squares of changes: for events the number of them.
+            // Squares of changes; for events this is their number.
             let rate = |sum: i64, squares: i64| Rate {
                 value: sum as f64 / exposure,
                 error: (squares.max(1) as f64).sqrt() / exposure,
@@ -109,13 +109,13 @@ pub struct Crossing {
     pub error: f64,
 }
 
-/// The smallest size above which breakage is the faster one, between the middles of two bins of which the first
+/// The smallest size above which breakage is faster than growth, between the middles of two bins of which the first
 /// grows.
 ///
-/// `choose` names the two rates (growth, breakage), of events or of members. The logarithm of growth / breakage is
-/// taken to be linear in the logarithm of the size between the geometric middles of two bins; its zero, with the
-/// errors of the four rates propagated. Bins without observations or with a rate of zero are left out. None if the
-/// rates do not cross.
+/// `choose` selects the two rates (growth, breakage), of events or of members. The logarithm of growth / breakage is
+/// assumed to be linear in the logarithm of the size between the geometric middles of two bins; the result is its zero,
+/// with the errors of the four rates propagated. Bins without observations or with a rate of zero are left out. `None`
+/// if the rates do not cross.
 pub fn crossing(
     rates: &[RatesOfSize],
     choose: impl Fn(&RatesOfSize) -> (Rate, Rate),

@@ -1,4 +1,4 @@
-//! Agglomerates of one reference time at growing lags, and their critical times.
+//! Agglomerates of one reference time at increasing lags, and their critical times.
 //!
 //! Source: Liu et al., Powder Technology (2016), section 3.2.
 
@@ -13,22 +13,22 @@ pub struct AtLag {
     pub diameter: f64,
 }
 
-/// Critical times of breakage, as lags; each is one of the lags looked at.
+/// Critical times of breakage, as lags; each is the lag of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CriticalTimes {
     /// tau_Nmax: the first lag at which the number of agglomerates is largest.
     pub most: Option<f64>,
-    /// tau_N15: the first lag after it at which there are fewer than 15 agglomerates (a limit that the user may
-    /// choose). None if that has not happened yet.
+    /// tau_N15: the first lag after tau_Nmax at which there are fewer than 15 agglomerates (a limit that the user may
+    /// choose). `None` if this has not happened yet.
     pub few: Option<f64>,
     /// tau_ds: the first lag from which on the diameter stays within a fraction of its mean over that stretch, up to
-    /// tau_N15 or the end, for at least three samples. The paper says "becomes steady"; the criterion is ours.
+    /// tau_N15 or the end, for at least three samples. The paper only says "becomes steady"; the criterion is ours.
     pub steady: Option<f64>,
 }
 
 impl CriticalTimes {
-    /// From samples at ascending lags; `few` is 15 in the paper, `tolerance` the fraction within which a diameter is
-    /// steady.
+    /// Critical times from samples at ascending lags; `few` is 15 in the paper, `tolerance` is the fraction within
+    /// which a diameter is steady.
     pub fn of(looks: &[AtLag], few: u64, tolerance: f64) -> Self {
         let largest = looks.iter().map(|look| look.count).max().filter(|&count| count > 0);
         let Some(first) = largest.and_then(|n| looks.iter().position(|look| look.count == n))

@@ -1,11 +1,11 @@
-//! What becomes of agglomerates between two samples, on made sets whose fate is known.
+//! Fates of agglomerates between two samples, for constructed sets whose fate is known.
 
 use super::*;
 use crate::numbers::{random_of, uniform};
 use crate::parallel::run_on_threads;
 use crate::particle_sets::rendezvous::mixed;
 
-/// A digest of fates that does not depend on the ranks that hold them: the sum of one hash of each. Collective.
+/// A digest of fates that does not depend on the ranks that hold them: the sum of the hashes of all fates. Collective.
 fn digest(changes: &Changes, ranks: &dyn Communicator) -> i64 {
     let of = |fate: &Fate| {
         let next = fate.successor();
@@ -20,7 +20,7 @@ fn digest(changes: &Changes, ranks: &dyn Communicator) -> i64 {
     sum[0]
 }
 
-/// Fates by label and new agglomerates on n ranks, of the labels of particles 0, 1, 2 ... at two samples.
+/// Fates by label, and new agglomerates, on n ranks, from the labels of particles 0, 1, 2 ... at two samples.
 fn changes(n: usize, before: &[Option<u64>], after: &[Option<u64>]) -> (Vec<Fate>, Vec<[u64; 2]>) {
     let made = run_on_threads(n, |ranks| {
         let look = |labels: &[Option<u64>], salt: usize| {
@@ -78,7 +78,7 @@ fn an_agglomerate_splits_another_is_absorbed_and_a_third_exchanges() {
 
 #[test]
 fn nothing_happens_where_labels_stay() {
-    // The control: the same samples.
+    // Control: the same sample twice.
     let same = labels(&[(Some(0), 40), (None, 5), (Some(45), 16)]);
     let (fates, new) = changes(3, &same, &same);
     assert!(fates.iter().all(|fate| fate.lost() + fate.gained() == 0 && fate.survives()));
@@ -118,7 +118,7 @@ fn random_looks_give_the_same_fates_on_any_ranks() {
 }
 
 /// Agglomerates of sizes from 16 to 1023 that lose 5 members with a probability of 0.1 size / 200 in an interval, and
-/// gain 7 with one of 0.1.
+/// gain 7 with a probability of 0.1.
 fn breaking_and_growing() -> Vec<Fate> {
     let mut generator = random_of(6, 0, "rates");
     let mut draw = || uniform(&mut generator);
@@ -133,7 +133,7 @@ fn breaking_and_growing() -> Vec<Fate> {
     (0..40_000).map(fate).collect()
 }
 
-/// Rates over bins of powers of two, with half a unit of time between samples.
+/// Rates for bins of powers of two, with half a unit of time between samples.
 fn rates_on(n: usize, fates: &[Fate]) -> Vec<RatesOfSize> {
     let limits: Vec<u64> = (4..11).map(|k| 1 << k).collect();
     let made = run_on_threads(n, |ranks| {
@@ -153,7 +153,7 @@ fn rates_are_found_within_their_counting_errors() {
     (2..=4).for_each(|n| assert!(rates_on(n, &fates) == rates));
     for of_size in &rates {
         let [low, high] = of_size.sizes.map(|size| size as f64);
-        // Mean of sizes equally likely on a logarithmic scale; sizes are rounded down.
+        // Mean of sizes that are equally likely on a logarithmic scale; sizes are rounded down.
         let mean = (high - low) / libm::log(high / low) - 0.5;
         let expected = 0.1 * mean / 200.0 / 0.5;
         assert!((of_size.breakage.value - expected).abs() < 4.0 * of_size.breakage.error);
@@ -169,7 +169,7 @@ fn growth_and_breakage_cross_where_they_should() {
     let found = crossing(&rates, |rate| (rate.growth, rate.breakage)).unwrap();
     assert!((found.size - 200.0).abs() < 3.0 * found.error, "{found:?}");
     assert!(found.error < 20.0);
-    // The control: half of the growth crosses at half of the size, which the errors tell apart.
+    // Control: half of the growth crosses at half of the size, a difference that the errors resolve.
     let halved = |rate: Rate| Rate { value: 0.5 * rate.value, error: 0.5 * rate.error };
     let lower = crossing(&rates, |rate| (halved(rate.growth), rate.breakage)).unwrap();
     assert!((lower.size - 100.0).abs() < 3.0 * lower.error && lower.size < 150.0, "{lower:?}");

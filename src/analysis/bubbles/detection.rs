@@ -14,22 +14,22 @@ pub struct VoidageField<'a> {
     pub origin: [f64; 3],
     /// Size of a cell. Length.
     pub spacing: [f64; 3],
-    /// Whether the grid repeats along x and along y.
+    /// Whether the grid is periodic along x and along y.
     pub periodic: [bool; 2],
 }
 
-/// What counts as a bubble.
+/// Criteria for a bubble.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BubbleOptions {
     /// Voidage above which a cell belongs to a bubble.
     pub threshold: f64,
-    /// Fewest cells of a bubble.
+    /// Smallest number of cells of a bubble.
     pub fewest_cells: usize,
 }
 
 impl Default for BubbleOptions {
-    /// A voidage of 0.7, as is common where bubbles are taken from simulated voidages (range in use 0.7 to 0.85; a
-    /// choice, on which sizes depend: state it with them), and four cells.
+    /// A voidage of 0.7, which is common for bubbles in simulated voidages (values in use are 0.7 to 0.85; sizes depend
+    /// on this choice, so state it with them), and four cells.
     fn default() -> Self {
         Self { threshold: 0.7, fewest_cells: 4 }
     }
@@ -40,30 +40,31 @@ impl Default for BubbleOptions {
 pub struct Bubble {
     /// Centroid of its cells; along a periodic direction it may lie beyond the grid. Length.
     pub centroid: [f64; 3],
-    /// Volume; in two dimensions area times the thickness of the grid.
+    /// Volume; in two dimensions, area times the thickness of the grid.
     pub volume: f64,
-    /// Diameter of the sphere of its volume; in two dimensions of the circle of its area. Length.
+    /// Diameter of the sphere with its volume; in two dimensions, of the circle with its area. Length.
     pub equivalent_diameter: f64,
-    /// Vertical over horizontal size, from second moments about the centroid, each with that of a cell: 1 for a sphere,
-    /// above 1 if it is tall. The horizontal one is the root mean square of x and y.
+    /// Ratio of vertical to horizontal size, from second moments about the centroid, each including that of a cell: 1
+    /// for a sphere, above 1 if it is tall. The horizontal size is the root mean square of those along x and y.
     pub aspect_ratio: f64,
     /// Lowest and highest faces of its cells. Length.
     pub vertical_extent: [f64; 2],
-    /// Whether it meets itself around the grid, so that its centroid along that direction means nothing.
+    /// Whether it meets itself around the grid, so that its centroid along that direction has no meaning.
     pub encircles: bool,
 }
 
-/// Finds the regions of connected cells (by faces) whose voidage exceeds the threshold, in the order of their lowest,
-/// rearmost, leftmost cell. Those that reach the top layer of cells are the freeboard, or open to it, and left out.
+/// Finds the regions of cells connected by faces whose voidage exceeds the threshold, in the order of their lowest,
+/// rearmost, leftmost cell. Regions that reach the top layer of cells are the freeboard, or open to it, and are left
+/// out.
 ///
-/// Fails if the field's length does not fit its cells, or sizes or threshold make no sense.
+/// Fails if the length of the field does not fit its cells, or sizes or threshold are not valid.
 pub fn find_bubbles(field: &VoidageField, options: &BubbleOptions) -> Result<Vec<Bubble>, NoValue> {
     check(field, options)?;
     let mut taken: Vec<bool> =
         field.values.iter().map(|&voidage| voidage <= options.threshold).collect();
     let [nx, ny, nz] = field.cells;
     let mut bubbles = Vec::new();
-    // The freeboard first, from the top layer.
+    // The freeboard is filled first, from the top layer.
     for start in (nz - 1) * ny * nx..nz * ny * nx {
         if !taken[start] {
             fill(field, start, &mut taken);
@@ -100,7 +101,7 @@ fn check(field: &VoidageField, options: &BubbleOptions) -> Result<(), NoValue> {
     Ok(())
 }
 
-/// A connected region: places of its cells, counted on around the grid along periodic directions.
+/// A connected region: places of its cells, continued around the grid along periodic directions.
 struct Region {
     cells: Vec<[i64; 3]>,
     encircles: bool,
@@ -112,7 +113,7 @@ fn fill(field: &VoidageField, start: usize, taken: &mut [bool]) -> Region {
     let place = [start % nx, start / nx % ny, start / (nx * ny)].map(|index| index as i64);
     taken[start] = true;
     let mut region = Region { cells: vec![place], encircles: false };
-    // Where each taken cell of this region was met, to tell whether it meets itself around the grid.
+    // The place at which each cell of this region was first met shows whether the region meets itself around the grid.
     let mut met = std::collections::BTreeMap::from([(start, place)]);
     let mut next = 0;
     while next < region.cells.len() {

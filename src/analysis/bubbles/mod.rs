@@ -1,4 +1,4 @@
-//! Bubbles in fields of the voidage, and how fast they rise.
+//! Bubbles in fields of the voidage, and their rise velocities.
 
 mod detection;
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::*;
 
 const THICK: f64 = 0.5;
 
-/// A disc or sphere: centre, radius, vertical over horizontal size.
+/// A disc or sphere: centre, radius, ratio of vertical to horizontal size.
 type Drawn = ([f64; 3], f64, f64);
 
 struct Grid {
@@ -15,7 +15,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Voidage 0.4 below the surface and 1 above; 0.95 in what is drawn.
+    /// Voidage 0.4 below the surface and 1 above; 0.95 inside the drawn shapes.
     fn draw(
         cells: [usize; 3],
         spacing: f64,
@@ -124,7 +124,7 @@ fn rising_discs_have_their_velocities() {
         .map(|time| {
             let drawn = [
                 ([6.0, 0.0, 6.0 + speeds[0] * time], 2.0, 1.0),
-                // Sideways across the periodic border as well.
+                // These also move sideways across the periodic border.
                 ([15.0 + 3.0 * time, 0.0, 5.0 + speeds[1] * time], 1.5, 1.0),
             ];
             Grid::draw([80, 1, 200], 0.25, [true, false], 40.0, &drawn).bubbles()

@@ -1,26 +1,27 @@
-//! Bubbles that are followed from time to time.
+//! Tracking of bubbles over time.
 
 use super::detection::Bubble;
 use crate::analysis::LineFit;
 use crate::analysis::no_value::{Estimate, NoValue, require_finite, require_positive};
 
-/// How bubbles are followed.
+/// Parameters for tracking bubbles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackingOptions {
-    /// The farthest that a bubble's centroid may be from where it is expected. Length.
+    /// The largest distance of a bubble's centroid from its expected position. Length.
     pub farthest: f64,
-    /// The largest ratio of its volumes at successive times: beyond, it has merged or split, and is another bubble.
+    /// The largest ratio of its volumes at successive times: beyond it, the bubble has merged or split, and is another
+    /// one.
     pub largest_growth: f64,
     /// Lengths of the grid along x and y where it is periodic. Length.
     pub periods: [Option<f64>; 2],
-    /// Fewest times of a track; at least three.
+    /// Smallest number of times in a track; at least three.
     pub fewest_times: usize,
 }
 
-/// A bubble over time.
+/// A bubble tracked over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Times at which it was seen, one after another.
+    /// Successive times at which it was found.
     pub times: Vec<f64>,
     /// The bubble at these times.
     pub bubbles: Vec<Bubble>,
@@ -28,11 +29,11 @@ pub struct Track {
     pub rise_velocity: Estimate,
 }
 
-/// Follows bubbles through a series of times. Of all pairs of a known bubble and a new one the nearest are joined first
-/// (places expected from the last two times; of equal distances the earlier track, then the earlier bubble). Tracks
-/// shorter than `fewest_times` are left out.
+/// Tracks bubbles through a series of times. Among all pairs of a known bubble and a new one, the nearest are joined
+/// first (positions are extrapolated from the last two times; at equal distances the earlier track, then the earlier
+/// bubble, comes first). Tracks shorter than `fewest_times` are left out.
 ///
-/// Fails if the times do not increase or differ in number from the frames, or if options make no sense.
+/// Fails if the times do not increase or differ in number from the frames, or if options are not valid.
 pub fn track_bubbles(
     times: &[f64],
     frames: &[Vec<Bubble>],
@@ -89,7 +90,7 @@ struct OpenTrack {
 }
 
 impl OpenTrack {
-    /// Where the centroid is expected; None without a bubble.
+    /// Expected position of the centroid; `None` without a bubble.
     fn expected(&self, time: f64, options: &TrackingOptions) -> Option<[f64; 3]> {
         let last = self.bubbles.last()?.centroid;
         let [.., before, _] = &self.bubbles[..] else { return Some(last) };

@@ -1,24 +1,24 @@
-//! Ergun's form of the packed bed and the plateau of the fluidised one.
+//! Ergun's form for the packed bed, and the plateau of the fluidised one.
 
 use super::ramps::{Branch, Direction};
 use crate::analysis::no_value::{Estimate, NoValue};
 use crate::analysis::statistics::moments;
 
-/// Parts of the plateau between which the bed is taken as packed: below, the signal is small; above, parts of the bed
-/// may move already.
+/// Fractions of the plateau between which the bed is treated as packed: below, the signal is small; above, parts of the
+/// bed may already move.
 const PACKED_BETWEEN: (f64, f64) = (0.1, 0.8);
-/// The plateau is taken from velocities beyond this multiple of U_mf.
+/// Multiple of U_mf beyond which the plateau is determined.
 const BEYOND: f64 = 1.2;
-/// Fewest points of packed bed and plateau.
+/// Smallest numbers of points for the packed bed and the plateau.
 const FEWEST_PACKED: usize = 4;
 const FEWEST_FLUIDISED: usize = 3;
-/// R^2 below which the packed part does not follow Ergun's form.
+/// Value of R^2 below which the packed part does not follow Ergun's form.
 const LEAST_DETERMINATION: f64 = 0.9;
-/// A plateau may rise by this part of itself from its first to its last third.
+/// Largest relative rise of the plateau from its first to its last third.
 const MOST_RISE: f64 = 0.15;
-/// A packed bed may change its height by this part.
+/// Largest relative change of height of a packed bed.
 const MOST_EXPANSION: f64 = 0.05;
-/// Rounds in which plateau and packed part are found from each other.
+/// Number of rounds in which plateau and packed part are determined from each other.
 const ROUNDS: usize = 8;
 
 /// Minimum fluidisation of one ramp.
@@ -26,26 +26,26 @@ const ROUNDS: usize = 8;
 pub struct Fit {
     /// Minimum fluidisation velocity.
     pub velocity: Estimate,
-    /// a of dp = a U + b U^2, over the weight. 1 over velocity.
+    /// a in dp = a U + b U^2, over the weight. 1 over velocity.
     pub linear: f64,
     /// b, likewise. 1 over the square of velocity.
     pub quadratic: f64,
-    /// Part of the variance of the packed bed's points that the form explains, R^2.
+    /// Fraction of the variance of the packed bed's points that the form explains, R^2.
     pub determination: f64,
     /// Level of the plateau over the weight.
     pub plateau: Estimate,
-    /// Highest pressure drop over the weight, median of three neighbouring points: of a ramp up it exceeds the
-    /// plateau if the bed holds together or to its walls.
+    /// Highest pressure drop over the weight, as the median of three neighbouring points: on a ramp up it exceeds the
+    /// plateau if the bed is cohesive or adheres to its walls.
     pub peak: f64,
     /// Velocity of that peak.
     pub peak_velocity: f64,
-    /// Solids fraction of the bulk in the packed part's upper half, if it is known.
+    /// Solids fraction of the bulk in the upper half of the packed part, if it is known.
     pub solids_fraction: Option<Estimate>,
     /// Height of the bed there, if it is known. Length.
     pub bed_height: Option<f64>,
 }
 
-/// Fits one ramp. Fails, and says why, if no plateau is reached, there are too few points, the packed part does not
+/// Fits one ramp. Fails, with a reason, if no plateau is reached, there are too few points, the packed part does not
 /// follow Ergun's form, or the bed is not packed.
 pub fn fit_branch(branch: &Branch) -> Result<Fit, NoValue> {
     let (packed, form, plateau) = packed_bed(branch)?;
@@ -75,7 +75,7 @@ pub fn fit_branch(branch: &Branch) -> Result<Fit, NoValue> {
     })
 }
 
-/// Points of the packed bed, their form, and the plateau's rough level, found from each other in turns.
+/// Points of the packed bed, their form, and the approximate level of the plateau, determined from each other in turns.
 fn packed_bed(branch: &Branch) -> Result<(Vec<usize>, Form, f64), NoValue> {
     let highest = branch.velocities[branch.velocities.len() - 1];
     let mut plateau = median_beyond(branch, 0.75 * highest);
@@ -90,7 +90,7 @@ fn packed_bed(branch: &Branch) -> Result<(Vec<usize>, Form, f64), NoValue> {
     Ok((packed, form, plateau))
 }
 
-/// Median pressure drop at velocities from `least` on.
+/// Median pressure drop at velocities of at least `least`.
 fn median_beyond(branch: &Branch, least: f64) -> f64 {
     let points = branch.velocities.iter().zip(&branch.pressure_drops);
     let mut values: Vec<f64> =
@@ -99,7 +99,8 @@ fn median_beyond(branch: &Branch, least: f64) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Points of positive velocity whose pressure drop is between parts of the plateau, below the first that is above.
+/// Points of positive velocity whose pressure drop lies between the two fractions of the plateau, before the first one
+/// above.
 fn packed_points(branch: &Branch, plateau: f64) -> Result<Vec<usize>, NoValue> {
     if plateau <= 0.0 {
         return Err(NoValue::because(
@@ -125,7 +126,7 @@ fn packed_points(branch: &Branch, plateau: f64) -> Result<Vec<usize>, NoValue> {
     Ok(packed)
 }
 
-/// Level of the plateau beyond a velocity. Its error is that of blocks: thirds of the points, or single points if they
+/// Level of the plateau beyond a velocity. Its error is that of blocks: thirds of the points, or single points if these
 /// are few.
 fn level(branch: &Branch, least: f64) -> Result<Estimate, NoValue> {
     let highest = branch.velocities[branch.velocities.len() - 1];
@@ -189,13 +190,13 @@ struct Form {
     linear: f64,
     quadratic: f64,
     determination: f64,
-    /// Covariances of the constants: of `linear`, of `quadratic`, of both.
+    /// Covariances of the constants: variance of `linear`, variance of `quadratic`, covariance of both.
     covariance: [f64; 3],
 }
 
 impl Form {
     fn of(branch: &Branch, packed: &[usize]) -> Result<Self, NoValue> {
-        // Velocities over the largest, so that the sums are of one size.
+        // Velocities are divided by the largest, so that the sums are of similar size.
         let unit = branch.velocities[packed[packed.len() - 1]];
         let points: Vec<(f64, f64)> = packed
             .iter()
@@ -234,7 +235,7 @@ impl Form {
         })
     }
 
-    /// Where the form meets a pressure drop.
+    /// Velocity at which the form reaches a pressure drop.
     fn velocity(&self, plateau: f64) -> f64 {
         let root = (self.linear * self.linear + 4.0 * self.quadratic * plateau).sqrt();
         2.0 * plateau / (self.linear + root)
@@ -264,8 +265,8 @@ impl Form {
     }
 }
 
-/// (1 + r) / (1 - r), r the correlation of one residual with the next: the variance's growth for residuals that are
-/// not independent.
+/// (1 + r) / (1 - r), where r is the correlation of one residual with the next: the factor of the variance for
+/// residuals that are not independent.
 fn inflation(residuals: &[f64], squares: f64) -> f64 {
     let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let r = if squares > 0.0 { (products / squares).clamp(0.0, 0.9) } else { 0.0 };

@@ -1,8 +1,8 @@
 //! Minimum fluidisation velocity from ramps of the superficial gas velocity, up and down.
 //!
 //! In the packed bed the pressure drop over the weight follows Ergun's form dp = a U + b U^2 (S. Ergun, Chem. Eng.
-//! Prog. 48 (1952) 89-94), with two constants that are not negative and otherwise free; in the fluidised bed it is a
-//! plateau P. They meet at U_mf = 2 P / (a + sqrt(a^2 + 4 b P)).
+//! Prog. 48 (1952) 89-94), with two constants that are free but not negative; in the fluidised bed it is a plateau P.
+//! They meet at U_mf = 2 P / (a + sqrt(a^2 + 4 b P)).
 
 mod fit;
 mod ramps;
@@ -14,23 +14,23 @@ pub use ramps::{Branch, Direction, Series};
 
 use crate::analysis::no_value::{Estimate, NoValue};
 
-/// Minimum fluidisation of a run, on its way up and on its way down.
+/// Minimum fluidisation of a run, for the ramps up and down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MinimumFluidisation {
-    /// The points of the rising velocity and what they give.
+    /// The ramp of rising velocity, and its results.
     pub up: Result<Ramp, NoValue>,
-    /// Likewise of the falling velocity.
+    /// The ramp of falling velocity, likewise.
     pub down: Result<Ramp, NoValue>,
-    /// How they differ.
+    /// Differences between the two.
     pub hysteresis: Result<Hysteresis, NoValue>,
 }
 
-/// Points of a ramp, which can be drawn even where no value can be given, and their fit.
+/// Points of a ramp, which can be plotted even if no value can be given, and their fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ramp {
     /// One point for each velocity, by ascending velocity.
     pub branch: Branch,
-    /// The fit, or why there is none.
+    /// The fit, or the reason why there is none.
     pub fit: Result<Fit, NoValue>,
 }
 
@@ -56,10 +56,10 @@ pub fn minimum_fluidisation(series: &Series) -> Result<MinimumFluidisation, NoVa
     Ok(MinimumFluidisation { up, down, hysteresis })
 }
 
-/// U_mf over that of a force balance at the bulk's solids fraction.
+/// Ratio of U_mf to that of a force balance at the bulk's solids fraction.
 ///
-/// `balance` gives U_mf of a solids fraction, for example (St / 18) (1 - phi)^4.65 sqrt(g d). The error is that of U_mf
-/// and of phi. Fails if the solids fraction was not given, or the balance is not positive.
+/// `balance` gives U_mf for a solids fraction, for example (St / 18) (1 - phi)^4.65 sqrt(g d). The error includes those
+/// of U_mf and of phi. Fails if the solids fraction was not given, or the balance is not positive.
 pub fn ratio_to_balance(fit: &Fit, balance: impl Fn(f64) -> f64) -> Result<Estimate, NoValue> {
     let Some(phi) = fit.solids_fraction else {
         return Err(NoValue::because("the solids fraction of the bulk is unknown"));

@@ -1,14 +1,14 @@
-//! Splits a series into a ramp up and a ramp down.
+//! Division of a series into a ramp up and a ramp down.
 
 use crate::analysis::no_value::{NoValue, require_finite};
 
-/// Velocities are equal if they differ by less than this part of the largest.
+/// Relative difference, in units of the largest velocity, below which velocities are equal.
 const EQUAL: f64 = 1e-9;
-/// Fewest points of a ramp, and the least part of all velocities that it spans.
+/// Smallest number of points of a ramp, and smallest fraction of the range of velocities that it spans.
 const FEWEST_POINTS: usize = 4;
 const LEAST_SPAN: f64 = 0.5;
 
-/// A run's table, one value for each time.
+/// Columns of a run's table, with one value for each time.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<'a> {
     /// Superficial gas velocity.
@@ -21,7 +21,7 @@ pub struct Series<'a> {
     pub solids_fractions: Option<&'a [f64]>,
 }
 
-/// Which way the velocity changes.
+/// Direction in which the velocity changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// It rises.
@@ -30,7 +30,8 @@ pub enum Direction {
     Down,
 }
 
-/// The points of one ramp, by ascending velocity; rows of one velocity are one point, the mean of their later half.
+/// The points of one ramp, by ascending velocity; rows with the same velocity give one point, the mean of their later
+/// half.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
     /// Whether the velocity rises or falls.
@@ -46,7 +47,7 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// The pressure drop at a velocity, by the line between points; None outside.
+    /// The pressure drop at a velocity, by linear interpolation between points; `None` outside.
     pub(super) fn pressure_drop_at(&self, velocity: f64) -> Option<f64> {
         let above = self.velocities.iter().position(|&other| other >= velocity)?;
         if above == 0 {
@@ -58,9 +59,9 @@ impl Branch {
     }
 }
 
-/// The ramps up and down, or why there is no such ramp. The ramp up ends with the first rows of the highest velocity
-/// and begins with the last of the lowest before; the ramp down begins with the last rows of the highest velocity and
-/// ends with the first of the lowest after that.
+/// The ramps up and down, or the reason why there is no such ramp. The ramp up ends with the first rows at the highest
+/// velocity, and begins with the last rows at the lowest velocity before; the ramp down begins with the last rows at
+/// the highest velocity, and ends with the first rows at the lowest velocity after that.
 pub(super) fn split(series: &Series) -> Result<[Result<Branch, NoValue>; 2], NoValue> {
     check(series)?;
     let velocities = series.velocities;

@@ -1,10 +1,10 @@
-//! Ramps drawn from Ergun's form with noise.
+//! Ramps generated from Ergun's form with noise.
 
 use super::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A bed with U_mf = 0.05 by dp = a U + b U^2, its packing looser by a factor on the way down.
+/// A bed with U_mf = 0.05 according to dp = a U + b U^2, whose packing is looser by a factor on the way down.
 struct Drawn {
     velocities: Vec<f64>,
     drops: Vec<f64>,
@@ -51,7 +51,7 @@ impl Drawn {
 
 #[test]
 fn straight_and_curved_packed_beds_give_their_velocity() {
-    // quadratic part 0.45: Re_mf about 55, where a line through the origin is off by a tenth.
+    // For a quadratic part of 0.45, Re_mf is about 55, and a line through the origin is off by a tenth.
     for quadratic_part in [0.0, 0.15, 0.45, 1.0] {
         for noise in [0.0, 0.1] {
             let drawn = draw(0.12, quadratic_part, 0.0, noise);
@@ -147,7 +147,7 @@ fn beds_that_give_no_value_say_why() {
         *height = 12.0 * (1.0 + 4.0 * velocity);
     }
     assert!(expanding.reason().contains("the bed is not packed"));
-    // A pressure drop that grows with the cube of the velocity's distance from a third of U_mf.
+    // A pressure drop that increases with the cube of the velocity's distance from a third of U_mf.
     let mut other = draw(0.12, 0.1, 0.0, 0.0);
     for (drop, velocity) in other.drops.iter_mut().zip(&other.velocities) {
         let x = velocity / U_MF;

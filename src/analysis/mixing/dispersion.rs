@@ -1,16 +1,16 @@
 //! Dispersion coefficients from the growth of the mean square displacement.
 //!
 //! S^2(t) = <(dr)^2> / 2 grows as D t for a random walk. Liu et al. (2016) take D as the largest slope of a secant of
-//! S^2 from its origin, of one window: [`largest_secant`]. Over several windows, one after another, the slope of a
-//! straight line through S^2 from a lag on (after the ballistic part) gives one value a window, and their scatter the
+//! S^2 from its origin, in one window: [`largest_secant`]. Over several successive windows, the slope of a straight
+//! line through S^2 from a lag on (after the ballistic part) gives one value per window, and their scatter gives the
 //! error: [`Dispersion::fitted`].
 
 use crate::analysis::statistics::SampleMean;
 
-/// Half mean square displacements of windows, one after another.
+/// Half mean square displacements of successive windows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dispersion {
-    /// Lag and S^2 by axis, of all complete windows.
+    /// Lag and S^2 by axis, for all complete windows.
     windows: Vec<Vec<(f64, [f64; 3])>>,
     present: Vec<(f64, [f64; 3])>,
 }
@@ -26,14 +26,14 @@ impl Dispersion {
         self.windows.push(std::mem::take(&mut self.present));
     }
 
-    /// Complete windows of one axis: points of lag and S^2.
+    /// Complete windows for one axis: points of lag and S^2.
     fn curves(&self, axis: usize) -> impl Iterator<Item = Vec<[f64; 2]>> + '_ {
         let point = move |&(lag, squares): &(f64, [f64; 3])| [lag, squares[axis]];
         self.windows.iter().map(move |window| window.iter().map(point).collect())
     }
 
     /// D along an axis: mean of the slopes of straight lines through S^2 from a lag on, one for each complete window.
-    /// None with fewer than two windows of two such lags.
+    /// `None` with fewer than two windows that have at least two such lags.
     pub fn fitted(&self, axis: usize, from: f64) -> Option<SampleMean> {
         let slopes =
             self.curves(axis).filter_map(|curve| slope_between(&curve, from, f64::INFINITY));
@@ -47,7 +47,7 @@ impl Dispersion {
     }
 }
 
-/// The largest S^2 / t of points [t, S^2], t > 0. It is biased upwards where S^2 scatters, and by ballistic motion.
+/// The largest S^2 / t among points [t, S^2], t > 0. It is biased upwards by scatter of S^2, and by ballistic motion.
 pub fn largest_secant(curve: &[[f64; 2]]) -> Option<f64> {
     let secants = curve.iter().filter(|[lag, _]| *lag > 0.0).map(|[lag, square]| square / lag);
     secants.fold(None, |largest: Option<f64>, secant| {
@@ -55,8 +55,8 @@ pub fn largest_secant(curve: &[[f64; 2]]) -> Option<f64> {
     })
 }
 
-/// The slope of the straight line through the points [t, S^2] with from <= t <= to, by least squares with an
-/// intercept. No error is given: the points of one curve depend on each other.
+/// The slope of the straight line through the points [t, S^2] with from <= t <= to, by least squares with an intercept.
+/// No error is given, since the points of one curve depend on each other.
 pub fn slope_between(curve: &[[f64; 2]], from: f64, to: f64) -> Option<f64> {
     let points = || curve.iter().filter(|[lag, _]| (from..=to).contains(lag));
     let n = points().count() as f64;
@@ -72,13 +72,13 @@ mod tests {
 
     #[test]
     fn secants_and_slopes_of_known_curves() {
-        // Ballistic at first, then D = 0.5, then confined.
+        // Ballistic at first, then with D = 0.5, then confined.
         let square = |t: f64| if t < 1.0 { t * t / 2.0 } else { (0.5 * t).min(2.0) };
         let curve: Vec<[f64; 2]> =
             (0..100).map(|k| f64::from(k) * 0.1).map(|t| [t, square(t)]).collect();
         assert!((largest_secant(&curve).unwrap() - 0.5).abs() < 1e-12);
         assert!((slope_between(&curve, 1.0, 4.0).unwrap() - 0.5).abs() < 1e-12);
-        // The control: over everything the line is too flat.
+        // Control: over the whole range the line is too flat.
         assert!(slope_between(&curve, 0.0, 10.0).unwrap() < 0.3);
         assert_eq!(slope_between(&curve, 20.0, 30.0), None);
         assert_eq!(largest_secant(&[]), None);

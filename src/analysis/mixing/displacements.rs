@@ -6,7 +6,7 @@ use crate::particle_sets::{Ownership, Periodicity};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 
-/// Where a particle is.
+/// Position of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Positioned {
@@ -16,20 +16,20 @@ pub struct Positioned {
     pub position: Vector3<f64>,
 }
 
-/// A particle's displacement since the reference time, as it is stored.
+/// The stored data of a particle's displacement since the reference time.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 struct Track {
     id: u64,
-    /// At the last sample, inside of the box.
+    /// Position at the last sample, inside the box.
     last: Vector3<f64>,
     displacement: Vector3<f64>,
 }
 
 /// Displacements of all particles since a reference time, on the ranks that owned the particles at the last sample.
 ///
-/// The displacement between two samples is that to the nearest image, so samples must be so frequent that no particle
-/// moves half of a periodic length in between. Particles that leave are forgotten, new ones ignored.
+/// The displacement between two samples is that to the nearest image, so samples must be frequent enough that no
+/// particle moves by half a periodic length in between. Particles that leave are dropped, new ones ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Displacements {
     periodicity: Periodicity,
@@ -40,7 +40,7 @@ pub struct Displacements {
 /// Moments of the displacements of all particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanDisplacement {
-    /// Number of particles that have been there since the reference time.
+    /// Number of particles that have been present since the reference time.
     pub particles: u64,
     /// Mean displacement.
     pub mean: Vector3<f64>,
@@ -61,7 +61,7 @@ impl MeanDisplacement {
 }
 
 impl Displacements {
-    /// Takes the particles that this rank owns at the reference time.
+    /// Begins with the particles that this rank owns at the reference time.
     pub fn begin(particles: &[Positioned], periodicity: Periodicity) -> Self {
         let track = |particle: &Positioned| Track {
             id: particle.id,
@@ -71,7 +71,8 @@ impl Displacements {
         Self { periodicity, tracks: particles.iter().map(track).collect() }
     }
 
-    /// Follows the particles that this rank owns now: `owned` has their ids, at the same places. Collective.
+    /// Updates the displacements with the particles that this rank owns now: `owned` has their ids, at the same places.
+    /// Collective.
     pub fn look(&mut self, particles: &[Positioned], owned: &Ownership, ranks: &dyn Communicator) {
         owned.align(&mut self.tracks, |track| [track.id, 0], ranks);
         let mut now = particles.iter();
@@ -88,7 +89,7 @@ impl Displacements {
         self.tracks.iter_mut().for_each(|track| track.displacement = Vector3::zeros());
     }
 
-    /// Moments over all ranks' particles. None without particles. Collective.
+    /// Moments over the particles of all ranks. `None` without particles. Collective.
     pub fn mean(&self, ranks: &dyn Communicator) -> Option<MeanDisplacement> {
         let moments = self.tracks.iter().map(|track| {
             let d = track.displacement;
@@ -102,12 +103,12 @@ impl Displacements {
         })
     }
 
-    /// What must be stored to resume later, as bytes of whole records.
+    /// Data that must be stored to resume later, as bytes of whole records.
     pub fn stored(&self) -> Vec<u8> {
         bytemuck::cast_slice(&self.tracks).to_vec()
     }
 
-    /// Continues from what was stored, by whatever ranks.
+    /// Continues from data that were stored by any ranks.
     pub fn restore(stored: &[u8], periodicity: Periodicity) -> Self {
         Self { periodicity, tracks: crate::parallel::records_of_bytes(stored).collect() }
     }
@@ -143,7 +144,7 @@ mod tests {
         Ownership::of(particles.iter().map(|particle| particle.id).collect())
     }
 
-    /// Dispersion over windows of 10 steps of unit time, of walkers seen in the box on n ranks.
+    /// Dispersion over windows of 10 steps of unit time, for walkers that are observed in the box on n ranks.
     fn dispersion(walks: &[Vec<Vector3<f64>>], n: usize) -> (Dispersion, MeanDisplacement) {
         let made = run_on_threads(n, |ranks| {
             let part = |step: usize| -> Vec<Positioned> {
@@ -208,7 +209,7 @@ mod tests {
         for n in 2..=4 {
             assert_eq!(dispersion(&walks, n), (expected.clone(), last));
         }
-        // The control: wrapped positions do not spread like this.
+        // Control: wrapped positions do not spread like this.
         let wrapped = |step: usize, id: usize| BOX.wrapped(walks[step][id]).x;
         let square: f64 =
             (0..60).map(|id| (wrapped(40, id) - wrapped(30, id)).powi(2)).sum::<f64>() / 60.0;

@@ -7,24 +7,24 @@ use crate::parallel::Communicator;
 /// A particle of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// Number of the sample cell that it lies in; beyond the last cell it is left out.
+    /// Number of the sample cell in which it lies; it is left out beyond the last cell.
     pub cell: u64,
-    /// Whether it belongs to the class whose mixing is measured: a class of size, or particles that were in a region
-    /// at a reference time.
+    /// Whether it belongs to the class whose mixing is measured: a class of size, or particles that were in a region at
+    /// a reference time.
     pub tracer: bool,
 }
 
-/// How well a class is mixed with the rest.
+/// The degree of mixing of a class with the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaceyIndex {
-    /// M = (S_0^2 - S^2) / (S_0^2 - S_R^2): 0 if every cell holds one class alone, 1 on the mean if classes are
+    /// M = (S_0^2 - S^2) / (S_0^2 - S_R^2): 0 if every cell contains only one class, 1 on average if classes are
     /// random.
     pub index: f64,
-    /// Standard deviation of M about 1 for random classes, in cells of many particles.
+    /// Standard deviation of M about 1 for random classes, in cells with many particles.
     pub error: f64,
-    /// p, part of the tracers among the particles in the cells used.
+    /// p, fraction of tracers among the particles in the cells used.
     pub fraction: f64,
-    /// S^2, variance of the cells' parts of tracers, each cell weighted by its number of particles.
+    /// S^2, variance of the fraction of tracers in cells, each cell weighted by its number of particles.
     pub variance: f64,
     /// Number of cells used.
     pub cells: u64,
@@ -32,12 +32,12 @@ pub struct LaceyIndex {
     pub particles: u64,
 }
 
-/// M over the cells that hold at least `least` particles on all ranks.
+/// M over the cells that contain at least `least` particles on all ranks.
 ///
-/// With n_k particles and a part p_k of tracers in cell k of K, N = sum n_k: S^2 = sum n_k (p_k - p)^2 / N, S_0^2 = p
-/// (1 - p), and S_R^2 = p (1 - p) (K - 1) / (N - 1), exactly the mean of S^2 if the tracers are drawn at random from
+/// With n_k particles and a fraction p_k of tracers in cell k of K, N = sum n_k: S^2 = sum n_k (p_k - p)^2 / N, S_0^2 =
+/// p (1 - p), and S_R^2 = p (1 - p) (K - 1) / (N - 1), exactly the mean of S^2 if the tracers are drawn at random from
 /// the N particles (Lacey's p (1 - p) / n is its limit for many cells of n particles). Particles count by number.
-/// None if the cells hold one class only, or there is but one cell. Collective.
+/// `None` if the cells contain only one class, or there is only one cell. Collective.
 pub fn lacey_index(
     samples: &[Sample],
     cells: usize,
@@ -84,7 +84,7 @@ mod tests {
 
     const CELLS: usize = 200;
 
-    /// 6000 particles, about 30 a cell; a part of them has drawn its class at random, the rest has that of its cell.
+    /// 6000 particles, about 30 per cell; part of them have a random class, the others have that of their cell.
     fn samples(mixed: f64, seed: u64) -> Vec<Sample> {
         let mut generator = random_of(seed, 0, "mixing");
         let mut draw = || uniform(&mut generator);
@@ -119,7 +119,7 @@ mod tests {
         let squares: f64 = found.iter().map(|m| (m.index - 1.0).powi(2)).sum();
         let ratio = (squares / trials as f64).sqrt() / error;
         assert!((0.6..1.5).contains(&ratio), "{ratio}");
-        // The control: without the variance of finite samples M would stay below 1, by seven errors and more.
+        // Control: without the variance of finite samples M would remain below 1, by seven errors and more.
         let naive = 1.0 - found[0].variance / (found[0].fraction * (1.0 - found[0].fraction));
         assert!(1.0 - naive > 7.0 * error, "{naive}");
     }
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn half_mixed_has_the_variance_of_half_mixed() {
         for mixed in [0.3, 0.5, 0.8] {
-            // Cells' parts differ by (1 - mixed) of those of pure cells.
+            // Fractions of cells differ by (1 - mixed) times the difference of pure cells.
             let expected = 1.0 - (1.0 - mixed) * (1.0 - mixed);
             let found = index(&samples(mixed, 3), 1).unwrap();
             assert!((found.index - expected).abs() < 0.02, "{mixed} {found:?}");

@@ -1,4 +1,4 @@
-//! How particles spread: mean square displacement, dispersion coefficients, and the Lacey index.
+//! Spreading of particles: mean square displacement, dispersion coefficients, and the Lacey index.
 
 mod dispersion;
 mod displacements;

@@ -5,7 +5,7 @@
 
 /// Relative accuracy of series, fractions and inversions.
 const ACCURACY: f64 = 1e-14;
-/// Terms after which a series or fraction is ended; both converge in about sqrt(a) terms near x = a.
+/// Largest number of terms of a series or fraction; both converge in about sqrt(a) terms near x = a.
 const MOST_TERMS: usize = 100_000;
 /// Replaces a zero denominator in a continued fraction (Lentz).
 const TINY: f64 = 1e-300;
@@ -95,12 +95,12 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
     fraction
 }
 
-/// Probability that chi-square with `freedom` degrees of freedom stays below `value`.
+/// Probability that chi-square with `freedom` degrees of freedom is below `value`.
 pub fn chi_square_probability(value: f64, freedom: f64) -> f64 {
     1.0 - upper_gamma(0.5 * freedom, 0.5 * value)
 }
 
-/// The value below which chi-square with `freedom` degrees of freedom stays with the given probability.
+/// The value below which chi-square with `freedom` degrees of freedom lies with the given probability.
 pub fn chi_square_quantile(probability: f64, freedom: f64) -> f64 {
     invert(probability, freedom.max(1.0), |value| chi_square_probability(value, freedom))
 }
@@ -115,7 +115,7 @@ pub fn student_bound(confidence: f64, freedom: f64) -> f64 {
     invert(confidence, 2.0, |value| 1.0 - student_two_sided(value, freedom))
 }
 
-/// The argument, above 0, at which a growing distribution function reaches a probability; by bisection.
+/// The argument, above 0, at which an increasing distribution function reaches a probability; by bisection.
 fn invert(probability: f64, guess: f64, distribution: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, guess);
     while distribution(high) < probability && high < 1e300 {

@@ -49,7 +49,7 @@ pub struct FourierTransform {
 }
 
 impl FourierTransform {
-    /// For the smallest power of two that is not below `length` (and not below 2).
+    /// A transform for the smallest power of two that is not below `length` (and not below 2).
     pub fn at_least(length: usize) -> Self {
         let size = length.max(2).next_power_of_two();
         let twiddles = (0..size / 2)
@@ -76,7 +76,7 @@ impl FourierTransform {
         values
     }
 
-    /// Transforms in place; slices of another length than [`Self::size`] are left as they are.
+    /// Transforms in place; slices whose length differs from [`Self::size`] are left unchanged.
     pub fn transform(&self, values: &mut [Complex], direction: Direction) {
         let size = self.size();
         if values.len() != size {

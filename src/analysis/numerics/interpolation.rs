@@ -1,7 +1,7 @@
 //! Values and peaks between the points of an even grid.
 
-/// The value at `place`, in units of the spacing from the first point, by the cubic through the four nearest
-/// points (Lagrange); linear in the first and last interval; held constant outside.
+/// The value at `place`, in units of the spacing from the first point, by the cubic through the four nearest points
+/// (Lagrange); linear in the first and last interval; constant outside.
 pub fn value_at(values: &[f64], place: f64) -> f64 {
     let last = values.len().saturating_sub(1);
     if last == 0 {
@@ -19,8 +19,8 @@ pub fn value_at(values: &[f64], place: f64) -> f64 {
         + d * x * (x * x - 1.0) / 6.0
 }
 
-/// Place of the maximum near point `index`, in units of the spacing, by the parabola through the point and its
-/// neighbours; the point itself at the ends of the grid or where the three points have no maximum.
+/// Position of the maximum near point `index`, in units of the spacing, by the parabola through the point and its
+/// neighbours; the point itself at the ends of the grid or if the three points have no maximum.
 pub fn peak_near(values: &[f64], index: usize) -> f64 {
     if index == 0 || index + 1 >= values.len() {
         return index as f64;
@@ -34,14 +34,15 @@ pub fn peak_near(values: &[f64], index: usize) -> f64 {
     }
 }
 
-/// Place of the maximum near point `index`, in units of the spacing: that of the parabola of least squares through all
-/// points about it whose values are at least `part` of its own, so that ripples from noise do not move it. With fewer
-/// than five such points, or if the parabola's maximum is not among them, as [`peak_near`].
+/// Position of the maximum near point `index`, in units of the spacing. It is that of the least-squares parabola
+/// through all points around it whose values are at least `part` of its own, so that ripples from noise do not shift
+/// it. With fewer than five such points, or if the maximum of the parabola is not among them, it is that of
+/// [`peak_near`].
 pub fn broad_peak_near(values: &[f64], index: usize, part: f64) -> f64 {
     let least = part * values[index];
     let below = values[..index].iter().rev().take_while(|&&value| value >= least).count();
     let above = values[index + 1..].iter().take_while(|&&value| value >= least).count();
-    // As far to one side as to the other, so that the ends of the grid do not matter.
+    // The range is symmetric, so that the ends of the grid do not matter.
     let reach = below.min(above);
     if reach < 2 {
         return peak_near(values, index);
@@ -73,7 +74,7 @@ mod tests {
     fn cubics_and_parabolas_are_exact() {
         let cubic = |x: f64| 2.0 - x + 0.5 * x * x - 0.1 * x * x * x;
         let values: Vec<f64> = (0..8).map(|i| cubic(f64::from(i))).collect();
-        // Between the second and the last but one point the cubic is met but for round-off.
+        // Between the second and the last but one point the cubic is reproduced up to round-off.
         assert!((value_at(&values, 3.37) - cubic(3.37)).abs() < 1e-13);
         let parabola: Vec<f64> =
             (0..8).map(|i| -(f64::from(i) - 4.3) * (f64::from(i) - 4.3)).collect();

@@ -1,8 +1,8 @@
-//! Cells that a line passes.
+//! Cells through which a line passes.
 
 use nalgebra::Vector3;
 
-/// Equal cells of a box. Bins of height are cells with a count of 1 along x and y.
+/// Equal cells of a box. Bins over height are cells with a count of 1 along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellGrid {
     /// The lowest corner.
@@ -11,20 +11,20 @@ pub struct CellGrid {
     pub spacing: Vector3<f64>,
     /// Number of cells by axis.
     pub counts: [usize; 3],
-    /// Along which axes the grid repeats.
+    /// Whether the grid is periodic, by axis.
     pub periodic: [bool; 3],
 }
 
-/// A part of a line inside of one cell, from `first` to `last` in units of the line's length from its start.
+/// A part of a line inside one cell, from `first` to `last` in units of the line's length from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
-    /// None outside of the grid.
+    /// `None` outside the grid.
     pub(super) cell: Option<u64>,
     pub(super) first: f64,
     pub(super) last: f64,
 }
 
-/// A line that passes more planes than this along an axis is a mistake.
+/// Largest number of planes that a line passes along an axis: a larger number is a mistake.
 const MOST_PLANES: f64 = 1.0e6;
 
 impl CellGrid {
@@ -42,16 +42,16 @@ impl CellGrid {
         })
     }
 
-    /// The cell of a point: x fastest, then y. None outside of the grid.
+    /// The cell of a point: x fastest, then y. `None` outside the grid.
     #[inline]
     pub fn cell_of(&self, point: &Vector3<f64>) -> Option<u64> {
         self.ruler().cell_of(point)
     }
 
-    /// To find the cells of many points.
+    /// The grid in a form for finding the cells of many points.
     #[inline(always)]
     pub(super) fn ruler(&self) -> Ruler<'_> {
-        // Every point lies in the one cell of an axis that repeats: its coordinate there is 0.
+        // Along a periodic axis with one cell every point lies in this cell: its coordinate there is 0.
         let is_whole = |axis: usize| self.counts[axis] == 1 && self.periodic[axis];
         let per_length = |axis: usize| if is_whole(axis) { 0.0 } else { 1.0 / self.spacing[axis] };
         Ruler {
@@ -90,12 +90,12 @@ impl CellGrid {
 pub(super) struct Ruler<'a> {
     grid: &'a CellGrid,
     per_length: Vector3<f64>,
-    /// Along which axes every point lies in the one cell.
+    /// Whether every point lies in the one cell, by axis.
     is_whole: [bool; 3],
 }
 
 impl Ruler<'_> {
-    /// The cell of a point. None outside of the grid.
+    /// The cell of a point. `None` outside the grid.
     #[inline(always)]
     pub(super) fn cell_of(&self, point: &Vector3<f64>) -> Option<u64> {
         let [x, y, z] = self.coordinates(point).into();
@@ -111,8 +111,8 @@ impl Ruler<'_> {
         (point - self.grid.origin).component_mul(&self.per_length)
     }
 
-    /// Where a line lies, in order, in place of what `pieces` held. The pieces' ends meet exactly, from 0 to 1. Nothing
-    /// if the line is undefined.
+    /// Divides a line into pieces by cells, in order, which replace the contents of `pieces`. The ends of the pieces
+    /// meet exactly, from 0 to 1. There are no pieces if the line is undefined.
     #[inline(always)]
     pub(super) fn pieces(
         &self,
@@ -149,8 +149,8 @@ impl Ruler<'_> {
     }
 }
 
-/// Indices of the cells in which a line begins and ends, along one axis: an end on a plane belongs to the cell that the
-/// line is in.
+/// Indices of the cells in which a line begins and ends, along one axis: an end on a plane belongs to the cell that
+/// contains the line.
 #[inline(always)]
 fn ends_of(from: f64, to: f64, along: f64) -> [i64; 2] {
     let first = if along < 0.0 { -below(-from) - 1 } else { below(from) };
@@ -158,30 +158,30 @@ fn ends_of(from: f64, to: f64, along: f64) -> [i64; 2] {
     [first, last]
 }
 
-/// Where a line crosses a plane between cells.
+/// A point at which a line crosses a plane between cells.
 #[derive(Clone, Copy, Debug, Default)]
 struct Crossing {
-    /// In units of the line's length from its start.
+    /// Position in units of the line's length from its start.
     place: f64,
     axis: usize,
     /// 1 or -1.
     step: i64,
 }
 
-/// Crossings of a branch are few.
+/// Number of crossings with room in an array; a branch usually has no more.
 const FEW: usize = 4;
 
-/// Crossings by their places.
+/// Crossings, sorted by their positions.
 #[derive(Default)]
 struct Crossings {
     few: [Crossing; FEW],
     count: usize,
-    /// All of them, if they are more.
+    /// All crossings, if there are more.
     many: Vec<Crossing>,
 }
 
 impl Crossings {
-    /// The planes between two indices along an axis; the line goes from a coordinate `from` on by `along`.
+    /// Inserts the planes between two indices along an axis; the line extends from a coordinate `from` by `along`.
     #[inline(always)]
     fn insert_planes(&mut self, axis: usize, [from, along]: [f64; 2], [index, last]: [i64; 2]) {
         let (step, above) = if along < 0.0 { (-1, 0) } else { (1, 1) };
@@ -220,14 +220,14 @@ impl Crossings {
     }
 }
 
-/// The largest whole number that is not above x, which is within the range of integers.
+/// The largest integer that is not above x, within the range of integers.
 #[inline(always)]
 fn below(x: f64) -> i64 {
     let towards_zero = x as i64;
     towards_zero - i64::from(towards_zero as f64 > x)
 }
 
-/// Whether a coordinate is a number by which cells can be counted.
+/// Whether a coordinate lies in the range in which cells can be counted.
 #[inline(always)]
 fn is_countable(x: f64) -> bool {
     x.abs() < 1.0e15

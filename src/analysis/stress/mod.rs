@@ -1,4 +1,4 @@
-//! Stress and granular temperature on bins of height or on cells.
+//! Stress and granular temperature in bins over height or in cells.
 //!
 //! Pressure is positive. With V the volume of a cell,
 //!
@@ -6,23 +6,24 @@
 //! \boldsymbol{\sigma} = \frac{1}{V} \left[ \sum_i m_i \tilde{\mathbf{v}}_i \otimes \tilde{\mathbf{v}}_i - \sum_c w_c\, \mathbf{f}_c \otimes \mathbf{l}_c \right]
 //! ```
 //!
-//! where v~ is the velocity about the mean velocity of the particles of the cell, f_c the force of a contact on the
-//! particle of the lower id, l_c the branch vector from its centre to the partner's (to the contact point on a wall),
-//! and w_c the part of the branch that lies in the cell. Repulsion gives positive, cohesion negative normal stress.
-//! sigma_ij is the flux of momentum i along j.
+//! where v~ is the velocity relative to the mean velocity of the particles of the cell, f_c the force of a contact on
+//! the particle with the lower id, l_c the branch vector from its centre to the partner's (to the contact point on a
+//! wall), and w_c the fraction of the branch that lies in the cell. Repulsion gives positive, cohesion negative normal
+//! stress. sigma_ij is the flux of momentum i along j.
 //!
-//! Sources: Moon, Kevrekidis & Sundaresan, Ind. Eng. Chem. Res. 45 (2006) 6966, eq. (19), where the whole branch
-//! counts in one averaging volume; Irving & Kirkwood, J. Chem. Phys. 18 (1950) 817, doi:10.1063/1.1747782, and
-//! Goldhirsch, Granular Matter 12 (2010) 239, doi:10.1007/s10035-010-0181-z, for the integral along the branch.
+//! Sources: Moon, Kevrekidis & Sundaresan, Ind. Eng. Chem. Res. 45 (2006) 6966, eq. (19), where the whole branch counts
+//! in one averaging volume; Irving & Kirkwood, J. Chem. Phys. 18 (1950) 817, doi:10.1063/1.1747782, and Goldhirsch,
+//! Granular Matter 12 (2010) 239, doi:10.1007/s10035-010-0181-z, for the integral along the branch.
 //!
-//! With it momentum closes exactly: with L the hat function that is 1 on the face between the bins k and k + 1 and 0
-//! on their outer faces, A the cross-section and K the kinetic part with whole instead of fluctuating velocities,
+//! With this integral the momentum balance closes exactly. Let L be the hat function that is 1 on the face between the
+//! bins k and k + 1 and 0 on their outer faces, A the cross-section, and K the kinetic part with whole instead of
+//! fluctuating velocities. Then
 //!
 //! ```math
 //! \frac{d}{dt} \sum_i m_i \mathbf{v}_i L(z_i) = \sum_i \mathbf{b}_i L(z_i) - A \left[ (\boldsymbol{\sigma}_c + \mathbf{K})_{k+1} - (\boldsymbol{\sigma}_c + \mathbf{K})_k \right] \cdot \mathbf{e}_z
 //! ```
 //!
-//! with b the body forces: the difference of the stress of two neighbouring bins is the net force on what lies about
+//! with b the body forces: the difference of the stress of two neighbouring bins is the net force on the matter around
 //! the face between them.
 
 mod grid;
@@ -40,7 +41,7 @@ use crate::particle_sets::rendezvous::{ask, distinct};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
 
-/// A particle, as far as stress is concerned.
+/// A particle, with the data needed for stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingParticle {
     /// Mass.
@@ -53,12 +54,12 @@ pub struct MovingParticle {
     pub velocity: Vector3<f64>,
 }
 
-/// The force of a contact, or of a pair that attracts each other. Each is held by one rank.
+/// The force of a contact, or of a pair that attracts each other. Each is on one rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
-    /// Centre of the particle of the lower id, or of the one that touches a wall, in any periodic image.
+    /// Centre of the particle with the lower id, or of the one that touches a wall, in any periodic image.
     pub position: Vector3<f64>,
-    /// From there to the centre of the partner, or to the contact point on the wall.
+    /// Vector from there to the centre of the partner, or to the contact point on the wall.
     pub branch: Vector3<f64>,
     /// Force on that particle by spring, dashpot and friction.
     pub contact: Vector3<f64>,
@@ -69,13 +70,13 @@ pub struct ContactForce {
 /// A frame of reference that moves with a wave.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// How far the frame has moved.
+    /// Displacement of the frame.
     pub displacement: Vector3<f64>,
-    /// Its velocity.
+    /// Velocity of the frame.
     pub velocity: Vector3<f64>,
 }
 
-/// Where and in which frame stress is measured.
+/// The cells and the frame in which stress is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct StressMeasurement {
     /// The cells, at rest in the frame.
@@ -102,7 +103,7 @@ pub struct CellStress {
     pub velocity: Vector3<f64>,
     /// (1/V) sum m v~ (x) v~.
     pub kinetic: Matrix3<f64>,
-    /// Stress of spring, dashpot and friction; not symmetric where torques act.
+    /// Stress of spring, dashpot and friction; it is not symmetric if torques act.
     pub contact: Matrix3<f64>,
     /// Stress of cohesion.
     pub cohesive: Matrix3<f64>,
@@ -115,18 +116,18 @@ impl CellStress {
         self.mass / self.volume
     }
 
-    /// All three parts.
+    /// Sum of all three parts.
     pub fn total(&self) -> Matrix3<f64> {
         self.kinetic + self.contact + self.cohesive
     }
 
-    /// tr(sigma) / 3 of all parts.
+    /// tr(sigma) / 3 of the total.
     pub fn pressure(&self) -> f64 {
         self.total().trace() / 3.0
     }
 
-    /// T = sum m v~^2 / (3 sum m), velocity squared. About the mean velocity of the cell: a shear rate g across a
-    /// cell of height h adds (g h)^2 / 36. Zero without particles.
+    /// T = sum m v~^2 / (3 sum m), velocity squared. It is relative to the mean velocity of the cell: a shear rate g
+    /// across a cell of height h adds (g h)^2 / 36. Zero without particles.
     pub fn granular_temperature(&self) -> f64 {
         if self.mass > 0.0 { self.kinetic.trace() * self.volume / (3.0 * self.mass) } else { 0.0 }
     }
@@ -138,18 +139,17 @@ impl CellStress {
     }
 }
 
-/// Stress on the cells that meet on this rank, by ascending cell.
+/// Stress in the cells whose rendezvous is this rank, by ascending cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StressField {
-    /// Cells with particles or contacts; the others are empty.
+    /// Cells with particles or contacts; all others are empty.
     pub cells: Vec<CellStress>,
-    /// Number of particles and of branches on all ranks that lie outside of the grid, be it in part, or are
-    /// undefined.
+    /// Number of particles and of branches on all ranks that lie wholly or partly outside the grid, or are undefined.
     pub outside: u64,
 }
 
 impl StressMeasurement {
-    /// Measures. Two passes over the particles: mean velocities first. Collective.
+    /// Computes the stress, in two passes over the particles: mean velocities first. Collective.
     pub fn run(
         &self,
         particles: &[MovingParticle],
@@ -189,7 +189,7 @@ impl StressMeasurement {
         StressField { cells, outside: total[0] as u64 }
     }
 
-    /// The particles inside of the grid, seen from the frame, and their cells.
+    /// The particles inside the grid, as seen from the frame, and their cells.
     fn placed(&self, particles: &[MovingParticle]) -> Placed {
         let ruler = self.grid.ruler();
         let mut cells = Slots::new(self.grid.cells());
@@ -204,7 +204,7 @@ impl StressMeasurement {
         Placed { inside, cells }
     }
 
-    /// A position seen from the frame, the same for every image of a particle.
+    /// A position as seen from the frame, equal for all images of a particle.
     #[inline(always)]
     fn seen(&self, position: &Vector3<f64>) -> Vector3<f64> {
         let wrapped = self.periodicity.wrapped(*position);
@@ -217,7 +217,8 @@ impl StressMeasurement {
     /// The dyads of forces and branches by cell. Collective.
     fn forces(&self, contacts: &ContactForces, ranks: &dyn Communicator) -> ForcesOnCells {
         let mut largest = contacts.largest;
-        // First over ranks: products of the largest of each rank would depend on who has which contacts.
+        // The maximum over ranks comes first: products of the largest values of each rank would depend on the
+        // distribution of the contacts.
         ranks.maximum(&mut largest);
         let [lx, ly, lz, fx, fy, fz, cx, cy, cz] = largest;
         let largest = ContactForce {
@@ -232,7 +233,7 @@ impl StressMeasurement {
         }
     }
 
-    /// The same, of the first N components of all dyads. Collective.
+    /// The dyads by cell, for the first N components of all dyads. Collective.
     fn shared<const N: usize>(
         &self,
         contacts: &ContactForces,
@@ -248,15 +249,15 @@ impl StressMeasurement {
     }
 }
 
-/// What contacts give to cells.
+/// Contributions of contacts to cells.
 struct ForcesOnCells {
     /// The components of sum w f (x) l for both forces of contacts, each cell on its rendezvous rank.
     dyads: Vec<Keyed<DYADS>>,
-    /// Number of this rank's branches that leave the grid.
+    /// Number of this rank's branches that extend beyond the grid.
     leaving: i64,
 }
 
-/// The shares of the cells, and the number of branches that leave the grid.
+/// The shares of the cells, and the number of branches that extend beyond the grid.
 struct Shared<const N: usize> {
     cells: Slots,
     sums: FixedPointSums<N>,
@@ -264,8 +265,8 @@ struct Shared<const N: usize> {
 }
 
 vectorised!(
-    /// Shares the dyads f (x) l of contacts among the cells through which their branches pass. What a branch gives its cells
-    /// adds up to the whole exactly: differences of f (x) l times the pieces' ends, as integers.
+    /// Distributes the dyads f (x) l of contacts among the cells through which their branches pass. The shares of a
+    /// branch add up to the whole exactly: they are differences of f (x) l times the pieces' ends, as integers.
     fn share<const N: usize>(
         measurement: &StressMeasurement,
         contacts: &[ContactForce],
@@ -323,11 +324,11 @@ vectorised!(
     }
 );
 
-/// Number of components of a dyad, and of those of both forces of a contact.
+/// Number of components of a dyad, and of the dyads of both forces of a contact.
 const DYAD: usize = 9;
 const DYADS: usize = 2 * DYAD;
 
-/// The components of f (x) l by columns: first those of the contact's force, then those of cohesion.
+/// The components of f (x) l by columns: first for the contact force, then for cohesion.
 #[inline(always)]
 fn dyads<const N: usize>(contact: &ContactForce) -> [f64; N] {
     std::array::from_fn(|k| {
@@ -343,7 +344,7 @@ struct Placed {
     cells: Slots,
 }
 
-/// Sums by ascending key, which are asked for in the same order.
+/// Sums by ascending key, which are requested in the same order.
 struct InOrder<const N: usize>(std::iter::Peekable<std::vec::IntoIter<Keyed<N>>>);
 
 impl<const N: usize> InOrder<N> {
@@ -351,7 +352,7 @@ impl<const N: usize> InOrder<N> {
         Self(sums.into_iter().peekable())
     }
 
-    /// The sums of a key; zero if there are none.
+    /// The sums for a key; zero if there are none.
     fn of_key(&mut self, key: u64) -> [f64; N] {
         self.0.next_if(|sums| sums.key == key).map_or([0.0; N], |sums| sums.values)
     }
@@ -417,8 +418,8 @@ impl StressField {
     }
 }
 
-/// Rumpf's estimate of the tensile strength, (1 - porosity) / pi * k F / d^2: k the coordination number, F the force
-/// that parts a contact, d the diameter (Moon et al. 2006, eq. (20)).
+/// Rumpf's estimate of the tensile strength, (1 - porosity) / pi * k F / d^2, where k is the coordination number, F the
+/// force that separates a contact, and d the diameter (Moon et al. 2006, eq. (20)).
 pub fn rumpf_strength(solids_fraction: f64, coordination: f64, force: f64, diameter: f64) -> f64 {
     solids_fraction / std::f64::consts::PI * coordination * force / (diameter * diameter)
 }

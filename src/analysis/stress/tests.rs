@@ -1,4 +1,5 @@
-//! A column of spheres carries the weight above; the divergence of the stress balances forces; the same bits on any ranks.
+//! A column of spheres carries the weight above; the divergence of the stress balances forces; results have the same
+//! bits on any ranks.
 
 use super::*;
 use crate::numbers::{Quantum, normal, random_of, uniform};
@@ -40,7 +41,7 @@ fn run(
     made.into_iter().next().unwrap()
 }
 
-/// 20 spheres of diameter 1 and weight 3 on a plate: each contact carries what is above it.
+/// 20 spheres of diameter 1 and weight 3 on a plate: each contact carries the weight above it.
 fn column() -> (Vec<MovingParticle>, Vec<ContactForce>) {
     let particle = |k: usize| MovingParticle {
         mass: 3.0,
@@ -68,7 +69,7 @@ fn at_rest(grid: CellGrid) -> StressMeasurement {
 fn a_column_at_rest_carries_the_weight_above() {
     let (particles, contacts) = column();
     let area = 2.0;
-    // Bins between contact points: the weight above the middle of the bin, exactly.
+    // For bins between contact points, the stress is exactly the weight above the middle of the bin.
     let measurement = at_rest(bins(20, 1.0, area, false));
     for n in 1..=4 {
         let (cells, outside) = run(&measurement, &particles, &contacts, n);
@@ -83,7 +84,8 @@ fn a_column_at_rest_carries_the_weight_above() {
             assert_eq!(cell.granular_temperature(), 0.0);
         }
     }
-    // Any other bins: the weight of half a particle is the largest error, since a force passes from centre to centre.
+    // For any other bins, the largest error is the weight of half a particle, since a force passes from centre to
+    // centre.
     let measurement = at_rest(bins(54, 0.37, area, false));
     let (cells, _) = run(&measurement, &particles, &contacts, 2);
     for cell in cells {
@@ -153,7 +155,7 @@ fn stress_has_the_same_bits_on_any_ranks() {
         for n in 2..=4 {
             assert!(run(&measurement, &particles, &contacts, n) == expected, "{n} ranks");
         }
-        // The sum over cells is the virial of the whole, whatever the cells.
+        // The sum over cells is the virial of the whole system, whatever the cells.
         let volume = measurement.grid.cell_volume();
         let sum: Matrix3<f64> = expected.0.iter().map(|cell| cell.contact * volume).sum();
         let whole: Matrix3<f64> = contacts.iter().map(|c| -c.contact * c.branch.transpose()).sum();
@@ -176,7 +178,7 @@ fn momentum_closes_about_every_face() {
             let f = force.contact + force.cohesive;
             let weights = [a, b].map(|&i| hat(particles[i].position.z, k));
             forces += f * (weights[0] - weights[1]);
-            // The control: the whole contact in the bin of its middle.
+            // Control: the whole contact counts in the bin of its middle.
             let middle = force.position.z + 0.5 * force.branch.z - 0.625;
             let bin = (middle.rem_euclid(16.0) / 2.0) as usize;
             let sign = f64::from(bin == k) - f64::from(bin == (k + 1) % 8);
@@ -238,7 +240,7 @@ fn granular_temperature_is_about_the_local_mean() {
 fn what_lies_outside_is_counted_and_what_is_undefined_is_not_hidden() {
     let (particles, contacts) = column();
     let short = at_rest(bins(10, 1.0, 2.0, false));
-    // Ten particles; nine branches wholly outside, and the tenth with its upper half.
+    // Ten particles are outside; nine branches are wholly outside, and the tenth with its upper half.
     assert_eq!(run(&short, &particles, &contacts, 2).1, 10 + 10);
     let mut broken = contacts;
     broken[3].contact.x = f64::NAN;

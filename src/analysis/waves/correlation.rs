@@ -4,11 +4,11 @@ use super::field::Rows;
 use crate::analysis::numerics::fourier::{Complex, Direction, FourierTransform};
 use crate::analysis::numerics::interpolation::value_at;
 
-/// Heights closer than this many nodes are not correlated with each other: hat weights spread a particle over
-/// two nodes, so that neighbours share noise.
+/// Smallest separation of heights that are correlated with each other, in nodes: hat weights spread a particle over two
+/// nodes, so that neighbours share noise.
 const LEAST_SEPARATION: usize = 2;
-/// A peak of the stack this near to the highest one is preferred if its wave is faster: slower ones are aliases
-/// of it by the spacing of heights.
+/// A peak of the stack that is this near to the highest one is preferred if its wave is faster: slower ones are aliases
+/// of it due to the spacing of heights.
 const TIE: f64 = 0.85;
 
 /// A part of the field.
@@ -21,7 +21,7 @@ pub(super) struct Window {
 }
 
 /// C_m(l) = < x_j(t) x_(j+m)(t + l) >, the mean over heights j and over those times t for which both are within the
-/// window; x is phi at a height less its straight-line trend in time.
+/// window; x is phi at a height less its linear trend in time.
 #[derive(Clone, Debug)]
 pub(super) struct LaggedCovariance {
     /// \[separation m\]\[lag l + longest\].
@@ -31,7 +31,7 @@ pub(super) struct LaggedCovariance {
 }
 
 impl LaggedCovariance {
-    /// Of a window, for separations up to `most` nodes and lags up to four fifths of the window.
+    /// The covariance of a window, for separations up to `most` nodes and lags up to four fifths of the window.
     pub(super) fn of(rows: &Rows, window: Window, most: usize) -> Self {
         let transform = FourierTransform::at_least(2 * window.times);
         let spectra: Vec<Vec<Complex>> = (0..window.heights)
@@ -51,7 +51,7 @@ impl LaggedCovariance {
         Self { values, heights: window.heights, longest }
     }
 
-    /// Variance of phi over time, mean over the heights.
+    /// Variance of phi over time, averaged over the heights.
     pub(super) fn variance(&self) -> f64 {
         self.values[0][self.longest]
     }
@@ -74,8 +74,8 @@ impl LaggedCovariance {
         })
     }
 
-    /// Half the degrees of freedom of one row, N / (2 sum_l (1 - |l|/N) rho(l)^2): N/2 for white noise, about 1 for
-    /// a sine.
+    /// Half the degrees of freedom of one row, N / (2 sum_l (1 - |l|/N) rho(l)^2): N/2 for white noise, about 1 for a
+    /// sine.
     pub(super) fn freedom(&self, times: usize) -> f64 {
         let half = times / 2;
         let total: f64 = (1..=half.min(self.longest))
@@ -101,8 +101,8 @@ impl LaggedCovariance {
         (farthest.min(self.separations() as f64)) as usize
     }
 
-    /// Mean covariance along the ray l = s m + shift, over pairs up to `farthest` nodes apart; `slowness` s in
-    /// intervals per node. None if no pair is left.
+    /// Mean covariance along the ray l = s m + shift, over pairs up to `farthest` nodes apart; `slowness` is s in
+    /// intervals per node. `None` if there are no pairs.
     pub(super) fn along(&self, slowness: f64, shift: f64, farthest: usize) -> Option<RayMean> {
         let (mut total, mut pairs) = (0.0, 0.0);
         for separation in LEAST_SEPARATION..=farthest.min(self.separations()) {
@@ -115,7 +115,7 @@ impl LaggedCovariance {
         (pairs > 0.0).then(|| RayMean { covariance: total / pairs, pairs })
     }
 
-    /// Covariances along rays of nearby slownesses, all over the same pairs, so that they can be compared closely.
+    /// Covariances along rays of similar slownesses, all over the same pairs, so that they can be compared closely.
     pub(super) fn near(&self, range: &NearRange) -> Vec<f64> {
         (0..=2 * range.half)
             .map(|index| {
@@ -126,7 +126,7 @@ impl LaggedCovariance {
     }
 }
 
-/// Slownesses about one of them, and the separations of pairs to be looked at.
+/// Slownesses around a given one, and the separations of the pairs to be used.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NearRange {
     middle: f64,
@@ -136,8 +136,8 @@ pub(super) struct NearRange {
 }
 
 impl NearRange {
-    /// To either side of `middle` by a part of it, `extent`, and one step of the grid at least; pairs up to the
-    /// separation at which the lag of the middle is the longest of the grid.
+    /// A range to either side of `middle` by a fraction `extent` of it, but at least by one step of the grid; pairs
+    /// extend up to the separation at which the lag of the middle is the longest of the grid.
     pub(super) fn new(
         covariance: &LaggedCovariance,
         middle: f64,
@@ -164,7 +164,7 @@ impl NearRange {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayMean {
     pub(super) covariance: f64,
-    /// Pairs of heights that it is the mean of.
+    /// Number of pairs of heights in the mean.
     pub(super) pairs: f64,
 }
 
@@ -216,18 +216,18 @@ fn lags(
         .collect()
 }
 
-/// Even grid of slownesses s from -half to half steps; intervals of time per node.
+/// Evenly spaced slownesses s from -half to half steps; intervals of time per node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SlownessGrid {
     pub(super) step: f64,
     pub(super) half: usize,
-    /// The longest lag that is looked at.
+    /// The longest lag that is used.
     pub(super) longest: f64,
 }
 
 impl SlownessGrid {
-    /// As far as lags of half a window allow; the lag between the farthest heights changes by one interval with each
-    /// step.
+    /// A grid that extends as far as lags of half a window allow; the lag between the farthest heights changes by one
+    /// interval with each step.
     pub(super) fn new(times: usize, separations: usize) -> Self {
         let longest = 0.5 * times as f64;
         let step = 1.0 / separations.max(LEAST_SEPARATION) as f64;
@@ -259,12 +259,12 @@ pub(super) struct Stack {
 }
 
 impl Stack {
-    /// Covariance, weighed by the square root of the number of pairs: fewer pairs are noisier.
+    /// Covariance, weighted by the square root of the number of pairs: fewer pairs give more noise.
     fn strength(&self, index: usize) -> f64 {
         self.covariances[index] * self.pairs[index].sqrt()
     }
 
-    /// Index of the peak: the highest, or a faster wave's that is nearly as high.
+    /// Index of the peak: the highest one, or that of a faster wave that is nearly as high.
     pub(super) fn peak(&self) -> Option<usize> {
         let middle = self.covariances.len() / 2;
         let highest =

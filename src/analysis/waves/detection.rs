@@ -1,50 +1,51 @@
-//! Whether a pattern travels through a window of heights and times, and how fast.
+//! Detection of a pattern that travels through a window of heights and times, and its speed.
 
 use super::correlation::{LaggedCovariance, NearRange, SlownessGrid, Window};
 use super::field::Rows;
 use crate::analysis::numerics::distributions::upper_gamma;
 use crate::analysis::numerics::interpolation::broad_peak_near;
 
-/// The pattern must travel so much better in its own direction than in the opposite one: a standing wave travels
+/// Smallest ratio of the covariance in a pattern's own direction to that in the opposite one: a standing wave travels
 /// in both.
 const LEAST_CONTRAST: f64 = 1.5;
 
-/// A pattern in a window that was found to travel, or not.
+/// A pattern in a window, with the data that show whether it travels.
 #[derive(Clone, Debug)]
 pub(super) struct Detection {
     pub(super) covariance: LaggedCovariance,
     /// Slowness of the stack's peak, in intervals per node.
     pub(super) slowness: f64,
-    /// Part of the variance that travels.
+    /// Fraction of the variance that travels.
     pub(super) share: f64,
-    /// Probability of such a covariance along one ray if the heights held independent noise.
+    /// Probability of this covariance along one ray if the heights had independent noise.
     ray_chance: f64,
-    /// Number of independent rays in a unit of slowness, and in all.
+    /// Number of independent rays per unit of slowness, and in total.
     rays_per_slowness: f64,
     rays: f64,
-    /// Whether the peak's slowness can be told from that of a bed that moves as a whole, and from its opposite.
+    /// Whether the slowness of the peak can be distinguished from that of a bed that moves as a whole, and from its
+    /// opposite.
     pub(super) directed: bool,
 }
 
-/// What a pattern must show to count as a wave.
+/// Criterion for a wave.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Criterion {
     /// Greatest probability of the peak in noise.
     pub(super) greatest_chance: f64,
-    /// Least part of the variance that travels.
+    /// Smallest fraction of the variance that travels.
     pub(super) least_share: f64,
-    /// Slowness of waves that are known to be in the bed: a pattern of between half and twice this slowness is then
-    /// tested against the rays of this range alone.
+    /// Slowness of waves that are known to be in the bed: a pattern with between half and twice this slowness is then
+    /// tested against only the rays in this range.
     pub(super) expected: Option<f64>,
 }
 
 impl Detection {
-    /// Stacks a window over a grid of slownesses; None if nothing varies or no ray has a positive covariance.
+    /// Stacks a window over a grid of slownesses; `None` if nothing varies or no ray has a positive covariance.
     ///
-    /// Significance: if n heights held independent noise of the same spectrum, the power of their sum along a ray
-    /// over its mean, x = 1 + (n - 1) S / C_0 (S mean covariance of pairs, C_0 variance), would be a
-    /// chi-square over its degrees of freedom, 2 B = N / sum_l (1 - |l|/N) rho(l)^2. The chance of the highest
-    /// of M independent rays is 1 - (1 - Q(B, B x))^M, at most M Q(B, B x).
+    /// Significance: if n heights had independent noise with the same spectrum, the ratio of the power of their sum
+    /// along a ray to its mean, x = 1 + (n - 1) S / C_0 (S is the mean covariance of pairs, C_0 the variance), would be
+    /// distributed as chi-square over its degrees of freedom, 2 B = N / sum_l (1 - |l|/N) rho(l)^2. The probability of
+    /// the highest of M independent rays is 1 - (1 - Q(B, B x))^M, at most M Q(B, B x).
     pub(super) fn of(
         rows: &Rows,
         window: Window,
@@ -53,7 +54,7 @@ impl Detection {
     ) -> Option<Self> {
         let covariance = LaggedCovariance::of(rows, window, most);
         let variance = covariance.variance();
-        // Below this the solids fraction is constant but for round-off.
+        // Below this value the solids fraction is constant up to round-off.
         if variance < 1e-16 {
             return None;
         }
@@ -84,7 +85,7 @@ impl Detection {
         })
     }
 
-    /// Probability of such a peak if the heights held independent noise.
+    /// Probability of this peak if the heights had independent noise.
     pub(super) fn chance(&self, expected: Option<f64>) -> f64 {
         let known = expected.filter(|&known| (0.5..2.0).contains(&(self.slowness / known)));
         let rays = known.map_or(self.rays, |known| 1.5 * known.abs() * self.rays_per_slowness);
@@ -99,7 +100,7 @@ impl Detection {
     }
 }
 
-/// Power of the sum of n heights over its mean in noise, n from its n (n - 1) / 2 pairs.
+/// Ratio of the power of the sum of n heights to its mean in noise, where n follows from its n (n - 1) / 2 pairs.
 fn beam_power(share: f64, pairs: f64) -> f64 {
     let heights = 0.5 * (1.0 + (1.0 + 8.0 * pairs).sqrt());
     1.0 + (heights - 1.0) * share

@@ -1,13 +1,13 @@
-//! The solids fraction over height and time, and what is done to it before waves are sought.
+//! The solids fraction over height and time, and its preparation for the search for waves.
 
 use crate::analysis::no_value::{NoValue, require_finite, require_positive};
 use crate::analysis::numerics::interpolation::value_at;
 
-/// Fewest times and heights in which waves are sought.
+/// Smallest numbers of times and heights for the search for waves.
 const FEWEST_TIMES: usize = 16;
 const FEWEST_HEIGHTS: usize = 6;
 
-/// The solids fraction phi on even grids of height and time.
+/// The solids fraction phi on evenly spaced heights and times.
 #[derive(Clone, Debug)]
 pub struct SolidsFractionField<'a> {
     /// phi\[time * heights + height\].
@@ -47,7 +47,7 @@ impl SolidsFractionField<'_> {
     }
 }
 
-/// The field by rows of one height, without the swing of a vibrated bed.
+/// The field as rows of constant height, without the swing of a vibrated bed.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     /// phi\[height\]\[time\].
@@ -56,16 +56,16 @@ pub(super) struct Rows {
     pub(super) spacing: f64,
     pub(super) start: f64,
     pub(super) interval: f64,
-    /// Time over which the rows are running means; 0 if they are not.
+    /// Time over which the rows are running means; 0 if they are not averaged.
     pub(super) averaged_over: f64,
 }
 
 impl Rows {
-    /// Of a bed at rest, or of one on a plate that vibrates with the given frequency.
+    /// Rows of a bed at rest, or of one on a plate that vibrates with the given frequency.
     ///
-    /// In a vibrated bed the swing of the centre of mass z_c = sum(z phi) / sum(phi) about its mean over one
-    /// period of the plate is taken out by shifting the heights, and every height is averaged over one period
-    /// of the plate. The record becomes shorter by one period.
+    /// In a vibrated bed the swing of the centre of mass z_c = sum(z phi) / sum(phi) about its mean over one period of
+    /// the plate is removed by shifting the heights, and every height is averaged over one period of the plate. The
+    /// record becomes shorter by one period.
     pub(super) fn prepare(
         field: &SolidsFractionField,
         vibration_frequency: Option<f64>,
@@ -162,15 +162,15 @@ impl Rows {
         self
     }
 
-    /// The part of a sine's amplitude that is left by the running mean: sin(x) / x, x = pi `averaged_over` / period.
+    /// Factor by which the running mean reduces a sine's amplitude: sin(x) / x, x = pi `averaged_over` / period.
     pub(super) fn attenuation(&self, period: f64) -> f64 {
         let x = std::f64::consts::PI * self.averaged_over / period;
         if x < 1e-6 { 1.0 } else { libm::sin(x) / x }
     }
 }
 
-/// Mean over `width` intervals about each point, of the line through the points; over what there is of them at
-/// both ends.
+/// Mean over `width` intervals about each point, of the line through the points; at both ends, over the part that
+/// exists.
 pub(super) fn running_mean(values: &[f64], width: f64) -> Vec<f64> {
     let mut integral = vec![0.0; values.len()];
     for index in 1..values.len() {
@@ -207,7 +207,7 @@ mod tests {
         let sine: Vec<f64> = (0..200).map(|i| (2.0 * PI * f64::from(i) / width).sin()).collect();
         let line: Vec<f64> = (0..200).map(|i| 0.3 * f64::from(i)).collect();
         for index in 20..180 {
-            // The line through 12.5 points of a sine is off by (pi / 12.5)^2 / 3 at most.
+            // The line through 12.5 points of a sine deviates by (pi / 12.5)^2 / 3 at most.
             assert!(running_mean(&sine, width)[index].abs() < 0.02);
             assert!((running_mean(&line, width)[index] - line[index]).abs() < 1e-9);
         }

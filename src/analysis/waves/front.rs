@@ -1,15 +1,15 @@
-//! The front between the part of a bed that has waves and the part that stands still.
+//! The front between the part of a bed that has waves and the part that is still.
 
 use super::field::Rows;
 use super::motion::{Activity, Bed};
 use crate::analysis::LineFit;
 use crate::analysis::no_value::{Estimate, NoValue};
 
-/// The greatest part of a column's heights that may lie on the wrong side of the front.
+/// Largest fraction of a column's heights that may lie on the wrong side of the front.
 const MOST_MISPLACED: f64 = 0.15;
-/// Heights at either end of the bed that a front must leave.
+/// Number of heights at either end of the bed that a front must leave free.
 const MARGIN: usize = 2;
-/// Fewest columns with a front.
+/// Smallest number of columns with a front.
 const FEWEST: usize = 4;
 
 /// A front that moves through the bed.
@@ -21,13 +21,13 @@ pub struct Front {
     pub times: Vec<f64>,
     /// Its height at these times. Length.
     pub heights: Vec<f64>,
-    /// Its speed by a straight line through its heights; negative if it descends. Length over time.
+    /// Its speed from a straight line through its heights; negative if it descends. Length over time.
     pub speed: Estimate,
-    /// Part of the heights' variance that the line explains, R^2.
+    /// Fraction of the variance of the heights that the line explains, R^2.
     pub determination: f64,
 }
 
-/// Finds the height at each time that best parts active from still places, and the speed at which it moves.
+/// Finds the height at each time that best separates active from still places, and the speed at which it moves.
 pub(super) fn find_front(rows: &Rows, bed: &Bed, activity: &Activity) -> Result<Front, NoValue> {
     let columns: Vec<Column> =
         (0..activity.columns()).filter_map(|column| Column::of(bed, activity, column)).collect();
@@ -56,8 +56,8 @@ pub(super) fn find_front(rows: &Rows, bed: &Bed, activity: &Activity) -> Result<
     Ok(Front { waves_below, times, heights, speed, determination: fit.determination })
 }
 
-/// sqrt((1 + r) / (1 - r)), r the correlation of one residual with the next: how much the error of a slope grows
-/// if residuals are not independent (process of first order).
+/// sqrt((1 + r) / (1 - r)), where r is the correlation of one residual with the next: the factor by which the error of
+/// a slope increases if residuals are not independent (first-order process).
 fn inflation(x: &[f64], y: &[f64], slope: f64, intercept: f64) -> f64 {
     let residuals: Vec<f64> = x.iter().zip(y).map(|(x, y)| y - slope * x - intercept).collect();
     let squares: f64 = residuals.iter().map(|value| value * value).sum();
@@ -66,7 +66,7 @@ fn inflation(x: &[f64], y: &[f64], slope: f64, intercept: f64) -> f64 {
     ((1.0 + r) / (1.0 - r)).sqrt()
 }
 
-/// Which nodes of the bed are active at one time.
+/// The active nodes of the bed at one time.
 struct Column {
     index: usize,
     bottom: usize,
@@ -81,7 +81,7 @@ impl Column {
         (top > bottom + 2 * MARGIN).then_some(Self { index, bottom, active })
     }
 
-    /// The number of nodes below the front that leaves the fewest on the wrong side of it, and how many these are.
+    /// The number of nodes below the front for which the fewest are on the wrong side of it, and the number of these.
     fn split(&self, waves_below: bool) -> (usize, usize) {
         let mut misplaced = self.active.iter().filter(|&&active| active == waves_below).count();
         let mut best = (0, misplaced);

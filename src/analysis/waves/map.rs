@@ -6,16 +6,16 @@ use super::field::Rows;
 use super::motion::{Activity, Bed, SolidsFlux};
 use crate::analysis::no_value::Estimate;
 
-/// What the bed does in a window.
+/// State of the bed in a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// The window is not filled by the bed.
+    /// The bed does not fill the window.
     Empty,
-    /// Waves travel through the window, all over it.
+    /// Waves travel through the whole window.
     Waves,
-    /// Waves travel through a part of the window's heights and times; the rest stands still.
+    /// Waves travel through part of the window's heights and times; the rest is still.
     Intermittent,
-    /// Nothing travels; the solids fraction is constant, or its pattern stays where it is.
+    /// No pattern travels; the solids fraction is constant, or its pattern stays in place.
     Frozen,
     /// The material rises, and its pattern with it.
     RisingPlug,
@@ -30,20 +30,20 @@ pub struct Cell {
     pub height: f64,
     /// Time of the window's middle.
     pub time: f64,
-    /// What the bed does there.
+    /// State of the bed there.
     pub state: State,
-    /// Speed of the pattern, positive if it rises; where the state is `Waves` or `Intermittent`, or the pattern of
-    /// a rising plug could be followed. Length over time.
+    /// Speed of the pattern, positive if it rises; given if the state is `Waves` or `Intermittent`, or if the pattern
+    /// of a rising plug could be followed. Length over time.
     pub speed: Option<f64>,
-    /// Mean velocity of the material, from the balance of mass. Length over time.
+    /// Mean velocity of the material, from the mass balance. Length over time.
     pub material_velocity: Estimate,
-    /// Standard deviation of phi over time, at a height.
+    /// Standard deviation of phi over time, at constant height.
     pub deviation: f64,
-    /// Part of phi's variance that travels, 0 to 1.
+    /// Fraction of the variance of phi that travels, 0 to 1.
     pub travelling_share: f64,
     /// Probability that noise would show such a pattern.
     pub chance: f64,
-    /// Part of the window's heights and times that vary as waves do.
+    /// Fraction of the window's heights and times that vary like waves.
     pub active_share: f64,
 }
 
@@ -61,7 +61,7 @@ impl Tiling {
         SlownessGrid::new(self.times, self.heights - 1)
     }
 
-    /// All windows, over times first, then over heights.
+    /// All windows, first over times, then over heights.
     pub(super) fn windows(&self, rows: &Rows) -> Vec<Window> {
         let mut windows = Vec::new();
         if self.heights > rows.heights() || self.times > rows.times() {
@@ -76,15 +76,15 @@ impl Tiling {
         windows
     }
 
-    /// Number of the tile that a window counts with in the jackknife.
+    /// Number of the tile to which a window belongs in the jackknife.
     pub(super) fn tile(&self, window: &Window) -> usize {
-        // More columns than any record has.
+        // Larger than the number of columns of any record.
         const COLUMNS: usize = 1 << 20;
         window.first_height / self.heights * COLUMNS + window.first_time / self.times
     }
 }
 
-/// A window with what was found in it.
+/// A window with its results.
 #[derive(Clone, Debug)]
 pub(super) struct Examined {
     pub(super) window: Window,
@@ -92,7 +92,7 @@ pub(super) struct Examined {
     pub(super) detection: Option<Detection>,
 }
 
-/// Looks for travelling patterns in every window that the bed fills.
+/// Searches for travelling patterns in every window that the bed fills.
 pub(super) fn examine(rows: &Rows, bed: &Bed, tiling: &Tiling) -> Vec<Examined> {
     let grid = tiling.grid();
     let windows = tiling.windows(rows).into_iter();
@@ -106,11 +106,11 @@ pub(super) fn examine(rows: &Rows, bed: &Bed, tiling: &Tiling) -> Vec<Examined> 
         .collect()
 }
 
-/// What distinguishes the states.
+/// Criteria that distinguish the states.
 pub(super) struct Judge<'a> {
     pub(super) rows: &'a Rows,
     pub(super) flux: &'a SolidsFlux,
-    /// Where and when the bed varies as waves do; None if no wave was found.
+    /// Places and times at which the bed varies like waves; `None` if no wave was found.
     pub(super) activity: Option<&'a Activity>,
     pub(super) criterion: Criterion,
     /// Standard deviation over time below which phi is constant.
@@ -148,7 +148,7 @@ impl Judge<'_> {
     fn state(&self, cell: &Cell, window: &Window) -> State {
         let velocity = cell.material_velocity;
         let duration = window.times as f64 * self.rows.interval;
-        // A rise by a quarter of the spacing of heights within the window is the least that is called one.
+        // The material must rise by at least a quarter of the spacing of heights within the window.
         let rises = velocity.value > 3.0 * velocity.error
             && velocity.value * duration > 0.25 * self.rows.spacing;
         let sinks = -velocity.value > 3.0 * velocity.error
@@ -164,8 +164,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Whether phi is constant, or most of its variance in the window is a pattern that stays where it is, or it
-    /// varies much less than in those windows that have waves.
+    /// Whether phi is constant, or most of its variance in the window is a pattern that stays in place, or it varies
+    /// much less than in windows with waves.
     fn stands(&self, cell: &Cell, window: &Window) -> bool {
         let variance = cell.deviation * cell.deviation;
         let quiet = self.activity.is_some() && cell.active_share < 0.25;

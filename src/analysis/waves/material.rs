@@ -1,25 +1,27 @@
-//! The solids fraction in the frame of the material, and the part of the material that waves sweep.
+//! The solids fraction in the frame of the material, and the fraction of the material that waves sweep.
 //!
-//! A layer of material is marked by the mass below it, m = ∫ phi dz up to its height, which nothing changes while particles keep their
-//! order along the vertical. In a bed that stands, rises as a plug or swings with its plate each layer keeps its phi. Where a wave
-//! passes, layers become dilute and dense again one after another, from below; one void shows as clearly as a train of them.
+//! A layer of material is identified by the mass below it, m = ∫ phi dz up to its height, which is constant while
+//! particles keep their order along the vertical. In a bed that stands, rises as a plug or swings with its plate, each
+//! layer keeps its phi. When a wave passes, layers become dilute and dense again one after another, from below; a
+//! single void is visible as clearly as a train of them.
 
 use super::field::Rows;
 use super::motion::deviation;
 use crate::analysis::numerics::interpolation::value_at;
 
-/// A layer is as thick as a node's spacing where the bed has this solids fraction.
+/// Solids fraction at which a layer is as thick as the spacing of nodes.
 const PACKED: f64 = 0.6;
-/// Least correlation of changes in time with those along the material. Measured in beds of 5 x 5 diameters: 0.75 to 0.97 in waves,
-/// -0.6 to 0.7 in the few layers that vary in plugs and beds at rest, next to gaps.
+/// Smallest correlation of changes in time with those along the material. Measured in beds of 5 x 5 diameters: 0.75 to
+/// 0.97 in waves, -0.6 to 0.7 in the few layers that vary in plugs and beds at rest, next to gaps.
 const LEAST_CORRELATION: f64 = 0.5;
 
-/// Part of the bed's layers of material, the lowest and the highest left out, in which phi has a standard deviation above `least_deviation`
-/// over the record and a pattern that rises through the material.
+/// Fraction of the bed's layers of material, without the lowest and the highest, in which phi has a standard deviation
+/// above `least_deviation` over the record and a pattern that rises through the material.
 ///
-/// The rise is measured by r = -<d phi/dt d phi/dm> / sqrt(<(d phi/dt)^2> <(d phi/dm)^2>), means over the record at constant m: 1 if a pattern of
-/// constant shape rises through the material, -1 if it sinks, 0 if it stands. Differences in time are over the lag at which phi
-/// of the layers that vary has lost half of its correlation, so that noise hardly counts. 0 for beds of fewer than three layers.
+/// The rise is measured by r = -<d phi/dt d phi/dm> / sqrt(<(d phi/dt)^2> <(d phi/dm)^2>), with means over the record
+/// at constant m: it is 1 if a pattern of constant shape rises through the material, -1 if it sinks, 0 if it stands.
+/// Differences in time are taken over the lag at which phi of the varying layers has lost half of its correlation, so
+/// that noise has little effect. The result is 0 for beds of fewer than three layers.
 pub(super) fn swept_share(rows: &Rows, least_deviation: f64) -> f64 {
     let layers = layers(rows);
     let varies = |layer: &Vec<f64>| deviation(layer) > least_deviation;
@@ -32,7 +34,7 @@ pub(super) fn swept_share(rows: &Rows, least_deviation: f64) -> f64 {
     swept as f64 / inner.max(1) as f64
 }
 
-/// phi of each layer of material over time, from the lowest layer up.
+/// phi of each layer of material over time, from the lowest layer upwards.
 fn layers(rows: &Rows) -> Vec<Vec<f64>> {
     let profiles: Vec<Vec<f64>> = (0..rows.times()).map(|time| rows.profile(time)).collect();
     let mass: f64 = profiles.iter().flatten().sum();
@@ -46,8 +48,8 @@ fn layers(rows: &Rows) -> Vec<Vec<f64>> {
     layers
 }
 
-/// The first lag, in intervals, at which the correlation of rows with themselves falls below one half, or half of the record; None without
-/// rows.
+/// The first lag, in intervals, at which the autocorrelation of rows falls below one half, or half of the record;
+/// `None` without rows.
 fn half_time<'a>(rows: impl Iterator<Item = &'a Vec<f64>>) -> Option<usize> {
     let changes: Vec<Vec<f64>> = rows
         .map(|row| {
@@ -79,8 +81,8 @@ fn rise(three: &[Vec<f64>], step: usize) -> f64 {
     products / (in_time * along).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Places of the middles of `count` layers of equal mass, in nodes: where the mass below, linear between the edges half-way
-/// between nodes, is (k + 1/2) / count of the whole.
+/// Positions of the middles of `count` layers of equal mass, in nodes: where the mass below, linear between the edges
+/// half-way between nodes, is (k + 1/2) / count of the whole.
 fn places_of_layers(profile: &[f64], count: usize) -> Vec<f64> {
     let share = profile.iter().sum::<f64>() / count as f64;
     let (mut node, mut below) = (0, 0.0);
@@ -103,7 +105,7 @@ mod tests {
 
     #[test]
     fn layers_lie_where_the_mass_below_them_is_theirs() {
-        // Half as dense above: layers are twice as thick there.
+        // The upper half is half as dense, so layers are twice as thick there.
         let profile = [0.6, 0.6, 0.6, 0.6, 0.3, 0.3, 0.3, 0.3];
         let places = places_of_layers(&profile, 6);
         let expected = [0.0, 1.0, 2.0, 3.0, 4.5, 6.5];

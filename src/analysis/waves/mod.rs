@@ -2,12 +2,12 @@
 //!
 //! # Method
 //!
-//! The field is cut into overlapping windows of about three periods and two and a half wavelengths. (If no pattern repeats
-//! within the record, into windows of a size of which three quarters show a travelling pattern of one speed, as noise would with a chance
-//! below 1e-6.) In each,
-//! phi at every height, less its straight-line trend in time, is correlated with phi at the other heights over
-//! time lags; the covariances of all pairs of heights are averaged along straight rays, lag = slowness * distance
-//! (slant stack). The highest ray gives the slowness, 1 / speed.
+//! The field is divided into overlapping windows of about three periods and two and a half wavelengths. (If no pattern
+//! repeats within the record, the windows have a size for which three quarters of them show a travelling pattern with
+//! one speed, which noise would do with a probability below 1e-6.) In each window, phi at every height, less its linear
+//! trend in time, is correlated with phi at the other heights over time lags; the covariances of all pairs of heights
+//! are averaged along straight rays, lag = slowness * distance (slant stack). The highest ray gives the slowness, 1 /
+//! speed.
 //!
 //! # Criterion
 //!
@@ -15,19 +15,20 @@
 //!
 //! * would appear in independent noise of the same spectrum with a probability below `greatest_chance`;
 //! * carries more than `least_share` of the variance;
-//! * is 1.5 times as high as the ray of the opposite speed (a standing wave has both), and differs from a bed that
+//! * is 1.5 times as high as the ray with the opposite speed (a standing wave has both), and differs from a bed that
 //!   moves as a whole: the lag across the window exceeds the time over which the pattern loses half its correlation.
 //!
-//! [`State`] says what follows. Material velocities come from the balance of mass: a pattern that moves with its
-//! material is a plug that rises, not a wave.
+//! [`State`] lists the resulting states. Material velocities follow from the mass balance: a pattern that moves with
+//! its material is a rising plug, not a wave.
 //!
-//! The slowest wave that can be told from a pattern at rest crosses two nodes in half a window.
+//! The slowest wave that can be distinguished from a pattern at rest crosses two nodes in half a window.
 //!
 //! # In the frame of the material
 //!
-//! Windows cannot tell voids that come once in the record, or that merge on their way up. The part of the bed's material that waves
-//! sweep, [`WaveMap::swept_share`], needs no period: in the frame of the material phi of a layer changes only where a wave passes. It counts all of
-//! the record at once: in a bed that freezes in its course, a layer that waves left early is swept.
+//! Windows cannot resolve voids that occur once in the record, or that merge on their way up. The fraction of the bed's
+//! material that waves sweep, [`WaveMap::swept_share`], needs no period: in the frame of the material phi of a layer
+//! changes only when a wave passes. It evaluates the whole record at once: in a bed that freezes during the record, a
+//! layer that waves left early counts as swept.
 //!
 //! Sources: slant stack, or velocity spectrum: M. T. Taner, F. Koehler, Geophysics 34 (1969) 859-881,
 //! doi:10.1190/1.1440058. Degrees of freedom of correlated series: M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946)
@@ -57,20 +58,21 @@ use crate::analysis::no_value::{NoValue, require_positive};
 use detection::Criterion;
 use field::Rows;
 
-/// How waves are sought. `default()` suits a bed of several wavelengths.
+/// Parameters of the search for waves. `default()` suits a bed of several wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaveOptions {
-    /// Frequency of the plate. The swing of the bed's centre is taken out, and phi is averaged over one period.
+    /// Frequency of the plate. The swing of the bed's centre is removed, and phi is averaged over one period.
     pub vibration_frequency: Option<f64>,
     /// Height of a window; by default two and a half wavelengths. Length.
     pub window_height: Option<f64>,
     /// Duration of a window; by default three periods of the waves.
     pub window_duration: Option<f64>,
-    /// The probability below which a pattern is not taken for noise, for each window.
+    /// The probability below which a pattern is not attributed to noise, for each window.
     pub greatest_chance: f64,
-    /// The least part of the variance that must travel.
+    /// The smallest fraction of the variance that must travel.
     pub least_share: f64,
-    /// Standard deviation of phi over time below which a bed without waves is called still, and a layer of its material not swept.
+    /// Standard deviation of phi over time below which a bed without waves counts as still, and a layer of its material
+    /// as not swept.
     pub still_deviation: f64,
 }
 

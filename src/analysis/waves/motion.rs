@@ -1,10 +1,10 @@
-//! Where the bed is, how its material moves, and where its solids fraction varies.
+//! Extent of the bed, motion of its material, and the places where its solids fraction varies.
 
 use super::correlation::Window;
 use super::field::Rows;
 use crate::analysis::no_value::Estimate;
 
-/// Parts of the mass that lie below the bed's bottom and top.
+/// Fractions of the mass that lie below the bed's bottom and top.
 const BOTTOM_SHARE: f64 = 0.01;
 const TOP_SHARE: f64 = 0.97;
 
@@ -16,8 +16,8 @@ pub(super) struct Bed {
 }
 
 impl Bed {
-    /// Bottom and top are the heights with 1 % and 97 % of the mass below them, which the surface's splashes and
-    /// single particles do not move.
+    /// Bottom and top are the heights with 1 % and 97 % of the mass below them, which are not affected by splashes of
+    /// the surface and single particles.
     pub(super) fn of(rows: &Rows) -> Self {
         let reaching = |profile: &[f64], share: f64| {
             let total: f64 = profile.iter().sum();
@@ -48,11 +48,11 @@ impl Bed {
     }
 }
 
-/// Mass below each height over time, from which the material's velocity follows: nothing passes the lowest node,
+/// Mass below each height over time, from which the velocity of the material follows: nothing passes the lowest node,
 /// so phi u = -d/dt of the integral of phi below.
 #[derive(Clone, Debug)]
 pub(super) struct SolidsFlux {
-    /// sum over nodes up to and with this one of phi, \[height\]\[time\].
+    /// Sum of phi over nodes up to and including this one, \[height\]\[time\].
     below: Vec<Vec<f64>>,
     /// phi, likewise.
     values: Vec<Vec<f64>>,
@@ -73,8 +73,8 @@ impl SolidsFlux {
         Self { below, values: rows.values.clone(), unit: rows.spacing / rows.interval }
     }
 
-    /// Mean velocity in a window: slope in time of the mass below over phi, mean over the heights; its error from the
-    /// spread over heights, which counts each as half a value.
+    /// Mean velocity in a window: slope in time of the mass below over phi, averaged over the heights; its error
+    /// follows from the spread over heights, each of which counts as half a value.
     pub(super) fn velocity(&self, window: &Window) -> Estimate {
         let times = window.first_time..window.first_time + window.times;
         let heights = window.first_height..window.first_height + window.heights;
@@ -94,7 +94,7 @@ impl SolidsFlux {
     }
 }
 
-/// Slope of the line of least squares through values at 0, 1, 2, ...
+/// Slope of the least-squares line through values at 0, 1, 2, ...
 fn slope(values: &[f64]) -> f64 {
     let middle = 0.5 * (values.len() as f64 - 1.0);
     let (mut products, mut squares) = (0.0, 0.0);
@@ -106,12 +106,12 @@ fn slope(values: &[f64]) -> f64 {
     products / squares.max(f64::MIN_POSITIVE)
 }
 
-/// Standard deviation of phi over one period about each height and time.
+/// Standard deviation of phi over one period around each height and time.
 #[derive(Clone, Debug)]
 pub(super) struct Activity {
     /// \[height\]\[column\].
     pub(super) deviations: Vec<Vec<f64>>,
-    /// Times of the first column and between columns, in intervals; each is one period long.
+    /// Time of the first column, and time between columns, in intervals; each column is one period long.
     pub(super) first: usize,
     pub(super) step: usize,
     /// Deviation above which a place is active.
@@ -119,7 +119,7 @@ pub(super) struct Activity {
 }
 
 impl Activity {
-    /// Columns of one period, half a period apart. The threshold has yet to be set.
+    /// Columns of one period, half a period apart. The threshold is not set yet.
     pub(super) fn of(rows: &Rows, period: usize) -> Self {
         let step = (period / 2).max(1);
         let deviations = rows
@@ -164,7 +164,7 @@ impl Activity {
         heights.flat_map(|height| columns.iter().map(move |&column| (height, column))).collect()
     }
 
-    /// Part of a window's places that are active.
+    /// Fraction of a window's places that are active.
     pub(super) fn share(&self, window: &Window) -> f64 {
         let places = self.places(window);
         let active = places.iter().filter(|&&(height, column)| self.is_active(height, column));
@@ -172,7 +172,7 @@ impl Activity {
     }
 }
 
-/// Standard deviation of all values, of which there is one at least.
+/// Standard deviation of all values, of which there must be at least one.
 pub(super) fn deviation(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

@@ -1,14 +1,14 @@
-//! Speed, period, wavelength and amplitude from all windows in which waves were found.
+//! Speed, period, wavelength and amplitude from all windows with waves.
 
 use super::correlation::{NearRange, SlownessGrid};
 use super::detection::Detection;
 use crate::analysis::no_value::{Estimate, NoValue};
 use crate::analysis::numerics::interpolation::broad_peak_near;
 
-/// Relative error of slowness and period that drawn waves without noise show.
+/// Smallest relative error of slowness and period: that of generated waves without noise.
 const LEAST_ERROR: f64 = 0.002;
 
-/// A peak's place is taken from the points above this part of its height.
+/// Fraction of a peak's height above which points determine its position.
 const PEAK_PART: f64 = 0.7;
 
 /// Waves of a set of windows, in nodes and intervals.
@@ -20,15 +20,15 @@ pub(super) struct PooledWaves {
     pub(super) squared_amplitude: Estimate,
 }
 
-/// A window in which waves were found, and the tile of the field that it counts with.
+/// A window with waves, and the tile of the field to which it belongs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member<'a> {
     pub(super) detection: &'a Detection,
-    /// Windows of one tile overlap and are not independent of each other.
+    /// Number of the tile; windows of one tile overlap and are not independent of each other.
     pub(super) tile: usize,
 }
 
-/// Sums the stacks of all windows, and measures the sum's peak. Standard errors are those of the jackknife that
+/// Adds the stacks of all windows, and measures the peak of the sum. Standard errors are those of the jackknife that
 /// leaves out one tile at a time; with fewer than three tiles they are infinite.
 pub(super) fn pool(members: &[Member], grid: &SlownessGrid) -> Result<PooledWaves, NoValue> {
     let sums = TileSums::of(members, grid)?;
@@ -53,13 +53,13 @@ pub(super) fn pool(members: &[Member], grid: &SlownessGrid) -> Result<PooledWave
     Ok(PooledWaves { slowness, period, squared_amplitude })
 }
 
-/// A value whose error is not below what windows of few periods leave on drawn waves, where all tiles agree.
+/// A value whose error is at least that of windows of few periods for generated waves, for which all tiles agree.
 fn with_least_error(value: f64, error: f64) -> Estimate {
     let least = LEAST_ERROR * value;
     Estimate { value, error: (error * error + least * least).sqrt() }
 }
 
-/// sqrt((G - 1) / G sum (theta_g - mean)^2) of G values that each leave out one group.
+/// sqrt((G - 1) / G sum (theta_g - mean)^2) for G values, each of which leaves out one group.
 fn jackknife_error(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     if values.len() < 3 {
@@ -76,7 +76,7 @@ struct Measured {
     period: Option<f64>,
 }
 
-/// Sums of stacks and of pattern correlations, one of each tile.
+/// Sums of stacks and of pattern correlations, one for each tile.
 struct TileSums {
     tiles: Vec<TileSum>,
     range: NearRange,
@@ -98,7 +98,7 @@ impl TileSums {
             tiles: Vec::new(),
             range: NearRange::new(&first.detection.covariance, median(members), 0.4, grid),
         };
-        // The second time about the peak of the first.
+        // The second round is centred on the peak of the first.
         for extent in [0.4, 0.3] {
             sums.tiles = tile_stacks(members, &sums.range);
             let slowness = sums.measure(None).slowness;
@@ -114,7 +114,7 @@ impl TileSums {
         Ok(sums)
     }
 
-    /// Measures the sum of all tiles but one.
+    /// Measures the sum of all tiles except one.
     fn measure(&self, left_out: Option<usize>) -> Measured {
         let (mut stack, mut pattern) = (Vec::new(), Vec::new());
         let mut windows = 0.0;
@@ -164,8 +164,8 @@ fn add(sum: &mut Vec<f64>, values: &[f64]) {
     }
 }
 
-/// Correlation of the travelling pattern with itself over lags, R(tau): mean covariance of pairs of heights along
-/// the wave's ray, tau before and after it. Noise that two heights do not share adds nothing to it.
+/// Autocorrelation of the travelling pattern over lags, R(tau): mean covariance of pairs of heights along the wave's
+/// ray, tau before and after it. Noise that two heights do not share adds nothing to it.
 fn pattern(detection: &Detection, slowness: f64, grid: &SlownessGrid) -> Vec<f64> {
     let farthest = detection.covariance.farthest(slowness, 0.5 * grid.longest);
     let along = |shift: f64| {
@@ -176,8 +176,8 @@ fn pattern(detection: &Detection, slowness: f64, grid: &SlownessGrid) -> Vec<f64
 }
 
 /// The first peak of a correlation beyond its first negative value: the highest point of the first stretch that rises
-/// above seven tenths of all that follows, up to where it falls below one third. It must have a quarter of the height
-/// at lag 0.
+/// above seven tenths of all later values, up to where it falls below one third. It must have at least a quarter of the
+/// height at lag 0.
 fn period_of(pattern: &[f64]) -> Option<f64> {
     let negative = pattern.iter().position(|&value| value < 0.0)?;
     let highest = pattern[negative..].iter().copied().fold(0.0_f64, f64::max);

@@ -1,4 +1,4 @@
-//! Sizes of windows that fit the waves of a bed.
+//! Sizes of windows that suit the waves of a bed.
 
 use super::WaveOptions;
 use super::correlation::SlownessGrid;
@@ -7,27 +7,28 @@ use super::map::{Examined, Tiling, examine};
 use super::motion::{Bed, SolidsFlux};
 use super::pool::{Member, pool};
 
-/// Windows that are tried first, as parts of the record and of the bed.
+/// Windows that are tried first, as fractions of the record and of the bed.
 const PARTS_OF_RECORD: [usize; 6] = [1, 2, 4, 8, 16, 32];
 const PARTS_OF_BED: [usize; 3] = [2, 4, 8];
 /// Smallest window, in heights and times.
 const FEWEST_HEIGHTS: usize = 6;
 const FEWEST_TIMES: usize = 24;
-/// The part of the windows that must have waves: more than chance gives, of however many windows.
+/// The fraction of the windows that must have waves: more than chance gives, for any number of windows.
 pub(super) const LEAST_PART: f64 = 0.04;
-/// Chance, of the windows of one size together, of a pattern that counts though it does not repeat: a score of sizes is tried.
+/// Probability, for the windows of one size together, of a pattern that counts although it does not repeat: about
+/// twenty sizes are tried.
 const CERTAIN: f64 = 1.0e-6;
-/// Slownesses of windows with the same waves differ by less than this part of their mean.
+/// Relative difference from their mean below which the slownesses of windows belong to the same waves.
 const AGREEMENT: f64 = 0.25;
 /// Sizes of a window in periods and wavelengths.
 const PERIODS: f64 = 3.0;
 const WAVELENGTHS: f64 = 2.5;
 
-/// Fewest heights of a window in a bed that is twice as high: waves that repeat regularly cannot be told from
-/// chance by fewer.
+/// Smallest number of heights of a window in a bed that is twice as high: with fewer, waves that repeat regularly
+/// cannot be distinguished from chance.
 const ENOUGH_HEIGHTS: f64 = 14.0;
 
-/// Distance between windows in periods: not a multiple of half a period, so that their ends fall on different phases.
+/// Distance between windows in periods: not a multiple of half a period, so that their ends have different phases.
 const TIME_STEP: f64 = 0.4;
 
 /// Windows for a bed, and its waves if there are any: period in intervals, slowness in intervals per node.
@@ -40,18 +41,19 @@ pub(super) struct Scale {
 /// Waves of the windows of one size.
 struct Trial {
     tiling: Tiling,
-    /// Part of the windows in which a pattern travels.
+    /// Fraction of the windows in which a pattern travels.
     share: f64,
     slowness: f64,
-    /// None if the pattern does not repeat within a window.
+    /// `None` if the pattern does not repeat within a window.
     period: Option<f64>,
-    /// Whether so many windows show it, with one speed, that chance does not, nor a plug that moves.
+    /// Whether enough windows show it, with one speed, to exclude chance and a moving plug.
     is_certain: bool,
 }
 
-/// Tries windows of several sizes; those in most of which a pattern travels and repeats give period and wavelength, from
-/// which follow the windows that are used. If none repeats, those are used in most of which a pattern travels. The options'
-/// sizes go before all.
+/// Tries windows of several sizes. Among those in which a pattern travels and repeats, the size with the largest
+/// fraction of such windows gives period and wavelength, which determine the windows to be used. If no pattern repeats,
+/// the size with the largest fraction of windows with a travelling pattern is used. Sizes given in the options take
+/// precedence.
 pub(super) fn find_scale(rows: &Rows, bed: &Bed, options: &WaveOptions) -> Scale {
     let extent = bed_heights(bed).clamp(FEWEST_HEIGHTS, rows.heights());
     let trials = trials(rows, bed, extent, options);
@@ -74,7 +76,7 @@ pub(super) fn find_scale(rows: &Rows, bed: &Bed, options: &WaveOptions) -> Scale
     Scale { tiling, period, slowness }
 }
 
-/// Windows of several sizes in some of which a pattern travels.
+/// Window sizes for which a pattern travels in some of the windows.
 fn trials(rows: &Rows, bed: &Bed, extent: usize, options: &WaveOptions) -> Vec<Trial> {
     let mut trials = Vec::new();
     for part in PARTS_OF_RECORD {
@@ -110,7 +112,7 @@ fn bed_heights(bed: &Bed) -> usize {
     extents[extents.len() / 2]
 }
 
-/// What windows of one size show; None if a pattern travels in too few.
+/// Results for windows of one size; `None` if a pattern travels in too few of them.
 fn try_windows(rows: &Rows, bed: &Bed, tiling: Tiling, options: &WaveOptions) -> Option<Trial> {
     let examined = examine(rows, bed, &tiling);
     let members = travelling(&examined, &tiling, options);
@@ -121,7 +123,7 @@ fn try_windows(rows: &Rows, bed: &Bed, tiling: Tiling, options: &WaveOptions) ->
     }
     let waves = pool(&members, &SlownessGrid::new(tiling.times, tiling.heights - 1)).ok()?;
     let period = waves.period.ok().map(|period| period.value);
-    // A wave has one speed; what windows take for waves in noise that neighbours share has any.
+    // A wave has one speed; spurious waves in noise that neighbours share have any speed.
     let agrees = |member: &&Member<'_>| {
         (member.detection.slowness / waves.slowness.value - 1.0).abs() < AGREEMENT
     };
@@ -131,7 +133,8 @@ fn try_windows(rows: &Rows, bed: &Bed, tiling: Tiling, options: &WaveOptions) ->
     Some(Trial { tiling, share, slowness: waves.slowness.value, period, is_certain })
 }
 
-/// Whether the material moves at half the pattern's speed or more: the pattern of a plug, whose speed such windows show poorly.
+/// Whether the material moves with at least half the speed of the pattern: this is the pattern of a plug, whose speed
+/// such windows show poorly.
 fn is_carried(rows: &Rows, examined: &[Examined], slowness: f64) -> bool {
     let flux = SolidsFlux::of(rows);
     let filled = examined.iter().filter(|examined| examined.filled);
@@ -141,8 +144,9 @@ fn is_carried(rows: &Rows, examined: &[Examined], slowness: f64) -> bool {
     2.0 * velocity * speed.signum() > speed.abs()
 }
 
-/// Probability that noise would show so clear a pattern in three quarters of `n` independent windows, and in two at least: the k-th
-/// lowest of n chances is below p with a probability of at most C(n, k) p^k. 1 if fewer show any.
+/// Probability that noise would show such a clear pattern in three quarters of `n` independent windows, and in at least
+/// two: the k-th lowest of n probabilities is below p with a probability of at most C(n, k) p^k. 1 if fewer windows
+/// show any.
 fn chance_of_most(mut chances: Vec<f64>, n: usize) -> f64 {
     let most = (3 * n).div_ceil(4).max(2);
     if chances.len() < most {
@@ -178,7 +182,7 @@ mod tests {
         // A vibrated bed whose voids merge on their way up: three parts of its height, each over the whole record.
         let bed = vec![3.5e-9, 3.6e-6, 3.2e-6];
         assert!(chance_of_most(bed.clone(), 3) < CERTAIN);
-        // One window alone is not enough, nor these three of five, nor two that just count.
+        // One window alone is not enough, nor are these three of five, nor two that only just count.
         assert_eq!(chance_of_most(vec![1.4e-10], 1), 1.0);
         assert_eq!(chance_of_most(bed, 5), 1.0);
         let barely = WaveOptions::default().greatest_chance;

@@ -1,4 +1,4 @@
-//! The map of a bed's states, and what it comes to.
+//! The map of a bed's states, and its summary.
 
 use super::WaveOptions;
 use super::correlation::Window;
@@ -12,12 +12,13 @@ use super::scale::{LEAST_PART, Scale, find_scale};
 use super::voids::{Expected, TrackedVoids, track_voids};
 use crate::analysis::no_value::{Estimate, NoValue};
 
-/// Part of a bed from which on all of it counts as having waves.
+/// Fraction of a bed from which on all of it counts as having waves.
 const WHOLE: f64 = 0.9;
-/// Part of the material that waves must sweep where no window shows any: gaps that open in beds without waves are up to 0.15.
+/// Fraction of the material that waves must sweep if no window shows waves: gaps that open in beds without waves reach
+/// up to 0.15.
 const LEAST_SWEPT: f64 = 0.25;
 
-/// Waves of all windows in which they were found. Standard errors are infinite if there are too few windows to tell.
+/// Waves of all windows in which they were found. Standard errors are infinite if there are too few windows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Waves {
     /// Speed, positive if they rise. Length over time.
@@ -26,42 +27,42 @@ pub struct Waves {
     pub period: Result<Estimate, NoValue>,
     /// Speed times period. Length.
     pub wavelength: Result<Estimate, NoValue>,
-    /// Amplitude of the sine that has the variance of the travelling pattern, noise left out; in a vibrated bed
-    /// corrected for the average over the plate's period, but not for the shift of heights between nodes, which takes
-    /// up to a fifth from waves of four nodes. Solids fraction.
+    /// Amplitude of the sine with the variance of the travelling pattern, without noise. In a vibrated bed it is
+    /// corrected for the average over the plate's period, but not for the shift of heights between nodes, which removes
+    /// up to a fifth for waves of four nodes. Solids fraction.
     pub amplitude: Estimate,
-    /// 1 % and 99 % of phi's values are below these, noise included.
+    /// 1st and 99th percentile of phi, noise included: this is the lower one.
     pub lowest: f64,
-    /// See `lowest`.
+    /// The upper one; see `lowest`.
     pub highest: f64,
 }
 
-/// Parts of the windows that the bed fills, by state; they sum to 1.
+/// Fractions of the windows that the bed fills, by state; their sum is 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StateShares {
-    /// Part of the windows with waves all over.
+    /// Fraction of the windows that are full of waves.
     pub waves: f64,
-    /// Part of the windows with waves in places.
+    /// Fraction of the windows with waves in places.
     pub intermittent: f64,
-    /// Part that stands still.
+    /// Fraction that is still.
     pub frozen: f64,
-    /// Part that rises as a plug.
+    /// Fraction that rises as a plug.
     pub rising_plug: f64,
-    /// Part that varies without waves.
+    /// Fraction that varies without waves.
     pub disordered: f64,
 }
 
-/// What the bed does as a whole. Waves that no window shows are recognised by the part of the material that they sweep: nine tenths
-/// of it for `Waves`, a quarter for `WavesInPart`.
+/// State of the whole bed. Waves that no window shows are recognised by the fraction of the material that they sweep:
+/// nine tenths of it for `Waves`, a quarter for `WavesInPart`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedState {
-    /// Waves in at least nine tenths of the windows, all over or here and there.
+    /// Waves in at least nine tenths of the windows, in the whole window or in places.
     Waves,
-    /// Waves in a part of the heights or times; the bed stands still or moves without waves elsewhere.
+    /// Waves in part of the heights or times; the bed is still or moves without waves elsewhere.
     WavesInPart,
-    /// Waves come and go twice or more at most heights.
+    /// Waves start and stop at least twice at most heights.
     Intermittent,
-    /// No waves; most of the bed stands still.
+    /// No waves; most of the bed is still.
     Frozen,
     /// No waves; most of the bed rises as a plug.
     RisingPlug,
@@ -69,30 +70,30 @@ pub enum BedState {
     Disordered,
 }
 
-/// What happens at one height.
+/// State at one height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightState {
     /// Height of the windows' middle. Length.
     pub height: f64,
-    /// Part of the time with waves; windows with waves in a part count as much.
+    /// Fraction of the time with waves; windows with waves in places count fully.
     pub waves_share: f64,
-    /// How often waves began or ended.
+    /// Number of times that waves began or ended.
     pub changes: usize,
 }
 
-/// What the bed does at one time.
+/// State of the bed at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeState {
     /// Time of the windows' middle.
     pub time: f64,
-    /// How much of the bed is in each state.
+    /// Fractions of the bed in each state.
     pub shares: StateShares,
 }
 
 /// States of a bed over height and time, and its waves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveMap {
-    /// Windows, over times first, then over heights.
+    /// Windows, first over times, then over heights.
     pub cells: Vec<Cell>,
     /// Height of a window. Length.
     pub window_height: f64,
@@ -100,20 +101,20 @@ pub struct WaveMap {
     pub window_duration: f64,
     /// The bed as a whole.
     pub state: BedState,
-    /// How much of it is in each state.
+    /// Fractions of the bed in each state.
     pub shares: StateShares,
-    /// Part of the bed's material that waves sweep in the course of the record, periodic or not: layers in whose own frame phi has a standard
-    /// deviation above `still_deviation` over time, and a pattern that rises through them.
+    /// Fraction of the bed's material that waves sweep in the course of the record, periodic or not: layers in whose
+    /// own frame phi has a standard deviation above `still_deviation` over time, and a pattern that rises through them.
     pub swept_share: f64,
     /// Height by height.
     pub heights: Vec<HeightState>,
     /// Time by time.
     pub times: Vec<TimeState>,
-    /// Speed, period, wavelength and amplitude, or why there are none.
+    /// Speed, period, wavelength and amplitude, or the reason why there are none.
     pub waves: Result<Waves, NoValue>,
-    /// The front between waves and still bed, or why there is none.
+    /// The front between waves and still bed, or the reason why there is none.
     pub front: Result<Front, NoValue>,
-    /// The waves as the voids' tracks show them.
+    /// The waves from the tracks of voids.
     pub voids: Result<TrackedVoids, NoValue>,
 }
 
@@ -124,7 +125,7 @@ pub(super) fn map_rows(rows: &Rows, options: &WaveOptions) -> Result<WaveMap, No
     let bed = Bed::of(rows);
     let Scale { tiling, period, slowness } = find_scale(rows, &bed, options);
     let examined = examine(rows, &bed, &tiling);
-    // A pattern that does not repeat within a window takes longer than that.
+    // A pattern that does not repeat within a window has a period longer than the window.
     let span = period.or(slowness.map(|_| tiling.times as f64));
     let activity = activity(rows, &examined, span, options);
     let expected = slowness.filter(|_| activity.is_some());
@@ -161,8 +162,8 @@ pub(super) fn map_rows(rows: &Rows, options: &WaveOptions) -> Result<WaveMap, No
     })
 }
 
-/// Where the field varies over a span of time, the waves' period, as it does where they travel; None if they travel hardly
-/// anywhere.
+/// Activity: places where the field varies, over the period of the waves, as it does where they travel; `None` if they
+/// travel hardly anywhere.
 fn activity(
     rows: &Rows,
     examined: &[Examined],
@@ -187,7 +188,7 @@ fn activity(
     Some(activity)
 }
 
-/// All that was found, from which the waves as a whole are measured.
+/// All results from which the properties of the waves are computed.
 struct Found<'a> {
     rows: &'a Rows,
     bed: &'a Bed,
@@ -222,7 +223,7 @@ impl Found<'_> {
         pool(&members, &self.tiling.grid())
     }
 
-    /// From nodes and intervals to the units of the field.
+    /// Converts from nodes and intervals to the units of the field.
     fn waves(&self, pooled: &PooledWaves) -> Waves {
         let (spacing, interval) = (self.rows.spacing, self.rows.interval);
         let slowness = pooled.slowness;
@@ -255,7 +256,7 @@ impl Found<'_> {
         inside
     }
 
-    /// The 1st and 99th percentile of phi where there are waves.
+    /// The 1st and 99th percentile of phi at places with waves.
     fn extremes(&self) -> (f64, f64) {
         let inside = self.places();
         let places = self.rows.values.iter().flatten().zip(inside.iter().flatten());

@@ -1,4 +1,4 @@
-//! Waves drawn into noise, and noise without waves.
+//! Waves generated in noise, and noise without waves.
 
 use super::*;
 use crate::analysis::no_value::Estimate;
@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 const SPACING: f64 = 1.5;
 const INTERVAL: f64 = 0.25;
 const HEIGHTS: usize = 80;
-/// Nodes of the drawn bed; above it there are no solids.
+/// Nodes of the generated bed; above it there are no solids.
 const BED: usize = 64;
 const SPEED: f64 = 0.385;
 const LENGTH: f64 = 6.4;
 
-/// Normal noise by the method of Box and Muller.
+/// Normally distributed noise by the method of Box and Muller.
 struct Noise(ChaCha8Rng);
 
 impl Noise {
@@ -28,7 +28,7 @@ impl Noise {
     }
 }
 
-/// A bed drawn from phi(z, t), with white noise of a standard deviation.
+/// A bed generated from phi(z, t), with white noise of a given standard deviation.
 struct Drawn {
     values: Vec<f64>,
 }
@@ -83,13 +83,13 @@ fn irregular(z: f64, t: f64) -> f64 {
 fn assert_within(estimate: Estimate, expected: f64, part: f64) {
     let off = (estimate.value / expected - 1.0).abs();
     assert!(off < part, "{estimate:?} is off {expected} by {off}");
-    // Standard errors rest on few tiles: four of them are allowed.
+    // Standard errors rest on few tiles, so four of them are allowed.
     assert!((estimate.value - expected).abs() < 4.0 * estimate.error, "{estimate:?} {expected}");
 }
 
 #[test]
 fn speed_of_sine_waves_is_met_within_one_per_cent_in_noise() {
-    // Amplitude over the noise's deviation: 12, 2, 0.7.
+    // Ratios of the amplitude to the noise's deviation: 12, 2, 0.7.
     for (seed, deviation) in [0.01, 0.06, 0.17].into_iter().enumerate() {
         for (speed, times) in [(SPEED, 600), (0.1, 1200), (-0.3, 600)] {
             let drawn = Drawn::new(times, deviation, seed as u64, |z, t| {
@@ -101,7 +101,7 @@ fn speed_of_sine_waves_is_met_within_one_per_cent_in_noise() {
             assert_within(waves.speed, speed, 0.01);
             assert_within(waves.period.unwrap(), LENGTH / speed.abs(), 0.02);
             assert_within(waves.wavelength.unwrap(), LENGTH, 0.02);
-            // A twentieth: the noise's own contribution at the largest deviation.
+            // A twentieth is the contribution of the noise at the largest deviation.
             assert!((waves.amplitude.value / 0.12 - 1.0).abs() < 0.05, "{:?}", waves.amplitude);
             assert!(map.front.is_err());
         }
@@ -130,7 +130,7 @@ fn waves_of_varying_length_have_one_speed() {
 
 #[test]
 fn bursts_are_intermittent_and_their_speed_is_that_of_the_waves() {
-    // On for 90, off for 60; the pattern stands while it is off.
+    // On for 90, off for 60; the pattern stands still while the waves are off.
     let drawn = Drawn::new(2400, 0.02, 5, |z, t| {
         let moved = (t / 150.0).floor() * 90.0 + (t % 150.0).min(90.0);
         in_bed(z, 0.5 + sine(z, moved, SPEED))
@@ -151,18 +151,18 @@ fn a_bed_with_waves_below_a_thin_still_layer_has_waves() {
         });
         drawn.map(&WaveOptions::default())
     };
-    // Waves fill less than nine tenths of the windows; with those that have them here and there it is more.
+    // Waves fill less than nine tenths of the windows; with windows that have waves in places, the fraction is larger.
     let thin = below_a_layer(14.0);
     assert!(thin.shares.waves < 0.9 && thin.shares.intermittent > 0.05, "{:?}", thin.shares);
     assert_eq!(thin.state, BedState::Waves, "{:?}", thin.shares);
-    // The control: a layer that fills windows.
+    // Control: a layer that fills windows.
     let thick = below_a_layer(40.0);
     assert_eq!(thick.state, BedState::WavesInPart, "{:?}", thick.shares);
 }
 
 #[test]
 fn a_front_parts_waves_from_a_frozen_bed() {
-    // The front descends by 0.5 from 85; above it the waves stand where they were when it passed.
+    // The front descends by 0.5 from 85; above it the waves stay where they were when it passed.
     let drawn = Drawn::new(600, 0.02, 6, |z, t| {
         let passed = ((85.0 - z) / 0.5).max(0.0);
         in_bed(z, 0.5 + sine(z, t.min(passed), SPEED))
@@ -173,7 +173,7 @@ fn a_front_parts_waves_from_a_frozen_bed() {
     assert!(front.waves_below);
     assert_within(front.speed, -0.5, 0.05);
     for (time, height) in front.times.iter().zip(&front.heights) {
-        // Two nodes: activity is measured over one period, in which the front moves by 8.
+        // Two nodes, and 2 for the activity, which is measured over one period in which the front moves by 8.
         assert!((height - (85.0 - 0.5 * time)).abs() < 2.0 * SPACING + 2.0, "{time} {height}");
     }
     assert_within(map.waves.unwrap().speed, SPEED, 0.01);
@@ -182,8 +182,8 @@ fn a_front_parts_waves_from_a_frozen_bed() {
     frozen.for_each(|cell| assert!(matches!(cell.state, State::Frozen | State::Empty), "{cell:?}"));
 }
 
-/// Noise at every height: kept from one time to the next by a factor, turned by an angle (a narrow band), and summed
-/// over neighbouring nodes.
+/// Noise at every height: a factor sets its correlation from one time to the next, an angle turns it (narrow band), and
+/// it is summed over neighbouring nodes.
 fn noise_bed(seed: u64, kept: f64, turn: f64, smooth: usize) -> Drawn {
     let mut noise = Noise::new(seed);
     let mut state = vec![(0.0, 0.0); HEIGHTS];
@@ -208,7 +208,7 @@ fn noise_bed(seed: u64, kept: f64, turn: f64, smooth: usize) -> Drawn {
 fn no_wave_is_found_in_noise() {
     let (mut windows, mut false_alarms) = (0, 0);
     let narrow = 2.0 * PI * INTERVAL / 16.0;
-    // White, of 20 and 100 intervals, of a narrow band, shared by neighbouring nodes.
+    // White noise, noise over 20 and 100 intervals, noise in a narrow band, and noise shared by neighbouring nodes.
     let kinds = [
         (0.0, 0.0, 1),
         (0.95, 0.0, 1),
@@ -221,20 +221,20 @@ fn no_wave_is_found_in_noise() {
         for (kept, turn, smooth) in kinds {
             let map = noise_bed(100 + seed, kept, turn, smooth).map(&WaveOptions::default());
             assert!(map.waves.is_err(), "{kept} {turn} {smooth} {:?}", map.shares);
-            // Noise that neighbours share is significant, but has no direction.
+            // Noise shared by neighbours is significant, but has no direction.
             if smooth == 1 {
                 windows += map.cells.len();
                 false_alarms += map.cells.iter().filter(|cell| cell.chance < 1e-3).count();
             }
         }
     }
-    // Five times as many as stated: windows overlap, so that one pattern is counted several times.
+    // Five times the stated number is allowed: windows overlap, so that one pattern is counted several times.
     assert!(false_alarms as f64 <= 5e-3 * windows as f64, "{false_alarms} of {windows}");
 }
 
 #[test]
 fn waves_are_measured_on_a_fine_grid_too() {
-    // Three times as many nodes to a wavelength, and noise that four neighbours share.
+    // Three times as many nodes per wavelength, and noise shared by four neighbours.
     let mut drawn = noise_bed(1, 0.5, 0.0, 4);
     for (index, value) in drawn.values.iter_mut().enumerate() {
         let (time, node) = ((index / HEIGHTS) as f64 * INTERVAL, (index % HEIGHTS) as f64);
@@ -279,14 +279,14 @@ fn waves_longer_than_the_record_are_found_without_a_period() {
         let waves = map.waves.unwrap();
         assert!((waves.speed.value / SPEED - 1.0).abs() < 0.05, "{:?}", waves.speed);
         assert!(waves.period.is_err());
-        // The control: the same pattern stands.
+        // Control: the same pattern at rest.
         let stands = Drawn::new(275, 0.02, seed, |z, _| 0.55 + sine(z / 20.0 * LENGTH, 0.0, SPEED));
         assert!(stands.map(&WaveOptions::default()).waves.is_err());
     }
 }
 
-/// Voids of a bed 96 high that begin at irregular distances, 15 to 25, and rise through its material above a height, each at its own speed;
-/// in a record of 100 time units most heights see one or two of them.
+/// Voids of a bed 96 high that begin at irregular distances, 15 to 25, and rise through its material above a height,
+/// each at its own speed; in a record of 100 time units most heights see one or two of them.
 fn single_voids(seed: u64, above: f64, speed: impl Fn(f64) -> f64) -> Drawn {
     Drawn::new(400, 0.015, seed, |z, t| {
         let void = |k: f64| {
@@ -298,7 +298,7 @@ fn single_voids(seed: u64, above: f64, speed: impl Fn(f64) -> f64) -> Drawn {
     })
 }
 
-/// A number between 0 and 1 that follows from another without a pattern.
+/// A number between 0 and 1 that depends on another without a pattern.
 fn fraction(k: f64) -> f64 {
     let shift = libm::sin(12.9898 * (k + 7.0)) * 43758.5453;
     shift - libm::floor(shift)
@@ -312,7 +312,8 @@ fn voids_sweep_the_material_that_they_pass_though_none_comes_twice() {
         assert!(map.swept_share > 0.9, "{}", map.swept_share);
         assert_eq!(map.state, BedState::Waves, "{:?}", map.shares);
         let half = single_voids(seed, 48.0, different).map(&WaveOptions::default());
-        // Its part of the mass is 0.47: voids take an eighth of it. A tenth, because the record begins with voids under way.
+        // Its fraction of the mass is 0.47, since voids take an eighth of it. The tolerance is a tenth, because the
+        // record begins with voids under way.
         assert!((half.swept_share - 0.47).abs() < 0.1, "{}", half.swept_share);
         assert_eq!(half.state, BedState::WavesInPart, "{:?}", half.shares);
         // Controls: the same voids at rest, and voids that sink.
@@ -327,7 +328,7 @@ fn voids_sweep_the_material_that_they_pass_though_none_comes_twice() {
 fn nothing_sweeps_a_bed_that_moves_as_a_whole() {
     let frequency = 0.16;
     let gaps = |z: f64| 0.6 - 0.3 * libm::exp(-0.5 * libm::pow((z % 20.0 - 10.0) / 1.5, 2.0));
-    // Edges as wide as the spacing, as coarse graining draws them.
+    // Edges as wide as the spacing, as coarse graining gives them.
     let bed =
         |z: f64| (z / SPACING).clamp(0.0, 1.0) * ((90.0 - z) / SPACING).clamp(0.0, 1.0) * gaps(z);
     let plug = Drawn::new(300, 0.005, 24, |z, t| bed(z - 0.08 * t));
@@ -346,7 +347,7 @@ fn a_plug_that_rises_is_not_a_wave() {
     for speed in [0.01, 0.08] {
         let drawn = Drawn::new(600, 0.002, 11, |z, t| {
             let z = z - speed * t;
-            // Edges as wide as the spacing, as coarse graining draws them.
+            // Edges as wide as the spacing, as coarse graining gives them.
             let edges = (z / SPACING).clamp(0.0, 1.0) * ((80.0 - z) / SPACING).clamp(0.0, 1.0);
             edges * (0.55 + 0.5 * sine(z, 0.0, SPEED))
         });

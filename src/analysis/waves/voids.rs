@@ -1,4 +1,4 @@
-//! Voids that are followed from time to time: a second estimate of the waves' speed.
+//! Tracking of voids over time: a second estimate of the speed of the waves.
 
 use super::field::{Rows, running_mean};
 use super::motion::Bed;
@@ -7,9 +7,9 @@ use crate::analysis::no_value::{Estimate, NoValue};
 use crate::analysis::numerics::interpolation::peak_near;
 use crate::analysis::statistics::moments;
 
-/// Fewest tracks that a speed is taken from.
+/// Smallest number of tracks from which a speed is computed.
 const FEWEST: usize = 4;
-/// Part of the waves' amplitude that a void must be deeper than its surroundings on both sides.
+/// Smallest depth of a void relative to its surroundings on both sides, as a fraction of the waves' amplitude.
 const LEAST_DEPTH: f64 = 0.5;
 
 /// Speed and distance of voids, minima of phi over height.
@@ -25,10 +25,10 @@ pub struct TrackedVoids {
     pub tracks: usize,
 }
 
-/// What the first estimate says, in nodes and intervals: where to look for voids.
+/// Results of the first estimate, in nodes and intervals, for the search for voids.
 #[derive(Clone, Debug)]
 pub(super) struct Expected {
-    /// Where and when there are waves, \[height\]\[time\].
+    /// Places and times with waves, \[height\]\[time\].
     pub(super) places: Vec<Vec<bool>>,
     pub(super) slowness: f64,
     pub(super) period: f64,
@@ -41,7 +41,7 @@ struct Track {
 }
 
 impl Track {
-    /// Where it should be at a time: from its last place with the expected speed.
+    /// Expected position at a time: from its last position with the expected speed.
     fn place_at(&self, time: f64, expected: &Expected) -> f64 {
         match (self.times.last(), self.places.last()) {
             (Some(&last), Some(&place)) => place + (time - last) / expected.slowness,
@@ -58,8 +58,8 @@ impl Track {
 }
 
 /// Follows voids over at least one wavelength each. Minima of phi over height, averaged over an eighth of a period and
-/// placed between nodes by a parabola, are linked to the track whose continuation is nearest, within a quarter of
-/// a wavelength; a track ends when it has found none for a quarter of a period.
+/// located between nodes by a parabola, are linked to the track whose continuation is nearest, within a quarter of a
+/// wavelength; a track ends when it has found no minimum for a quarter of a period.
 pub(super) fn track_voids(
     rows: &Rows,
     bed: &Bed,
@@ -94,7 +94,7 @@ fn smoothed(rows: &Rows, width: f64) -> Rows {
     smooth
 }
 
-/// Places of the minima where there are waves that are deep enough, from the bottom up.
+/// Positions of sufficiently deep minima at places with waves, from the bottom upwards.
 fn voids_of(profile: &[f64], bed: &Bed, time: usize, expected: &Expected) -> Vec<f64> {
     let depth = LEAST_DEPTH * expected.amplitude;
     let inverted: Vec<f64> = profile.iter().map(|phi| -phi).collect();
