@@ -22,12 +22,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`setup`] says more, and the folder `examples` has whole programs. A case file is read by [`case`] and run by
-//! [`simulation`], which is what the program `talcum` does.
+//! [`setup`] describes this further, and the folder `examples` has complete programs. A case file is read by [`case`]
+//! and run by [`simulation`]; this is what the program `talcum` does.
 //!
 //! # Equations
 //!
-//! Each particle i, a sphere of radius r, mass m, volume V and inertia I = (2/5) m r^2, moves by
+//! Each particle i, a sphere of radius r, mass m, volume V and inertia I = (2/5) m r^2, moves according to
 //!
 //! ```math
 //! \begin{aligned}
@@ -40,9 +40,9 @@
 //!
 //! * Contact \[Moon2006 (1)-(3); Cundall1979\]: F_n = k_n delta - gamma_n v_n, and a tangential spring k_t
 //!   with a slider at mu times the normal force ([`contact::LinearSpringDashpot`]).
-//! * or, instead, adhesive elastic-plastic \[Liu2016\] ([`contact::AdhesiveElasticPlastic`]), linear hysteretic
-//!   \[Luding2008\] ([`contact::LinearHysteretic`]), Hertz-Mindlin ([`contact::HertzMindlin`]), or JKR
-//!   \[Johnson1971\] ([`contact::Jkr`]); with each, resistance to rolling \[Ai2011\]
+//! * Alternatives are adhesive elastic-plastic \[Liu2016\] ([`contact::AdhesiveElasticPlastic`]), linear hysteretic
+//!   \[Luding2008\] ([`contact::LinearHysteretic`]), Hertz-Mindlin ([`contact::HertzMindlin`]), and JKR \[Johnson1971\]
+//!   ([`contact::Jkr`]) contacts. Each can be combined with resistance to rolling \[Ai2011\]
 //!   ([`contact::RollingFriction`]) and to twisting \[Luding2008\] ([`contact::TwistingFriction`]).
 //! * Cohesion \[Moon2006 (4); Hamaker1937\]: A r / (12 s^2) at a separation s of surfaces above a cut-off,
 //!   constant below it and in contact ([`contact::VanDerWaals`]).
@@ -58,34 +58,34 @@
 //!
 //! * Volume-averaged gas, in three dimensions, with inertia: volume-averaged Navier-Stokes equations, model A, on a staggered grid
 //!   ([`gas::volume_averaged`]).
-//! * U_s is given, or such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
+//! * U_s is given, or chosen such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
 //! * Drag \[Moon2006 (13)-(16); WenYu1966\]: beta(phi, Re) ([`gas::DragLaw`]).
 //! * phi and u_s on a vertical grid by hat weights \[Moon2006 (8)-(10)\] ([`coupling::ColumnDeposition`]).
 //!
-//! Symbols: phi solids fraction, u_s mean velocity of the solids, u_g that of the gas between them, U_s
-//! superficial gas velocity, v velocity of the particle, beta momentum transfer per volume, delta overlap,
-//! v_n normal relative velocity, A Hamaker constant. Time integration: velocity Verlet; dashpots, sliders and
-//! drag see the velocities of the half step.
+//! Symbols: phi is the solids fraction, u_s the mean velocity of the solids, u_g that of the gas between them, U_s the
+//! superficial gas velocity, v the velocity of the particle, beta the momentum transfer per volume, delta the overlap,
+//! v_n the normal relative velocity and A the Hamaker constant. Time is integrated by velocity Verlet; dashpots,
+//! sliders and drag use the velocities of the half step.
 //!
 //! # Units
 //!
-//! All numbers are in one coherent system, which the case names: SI, or the one in which solid density,
-//! reference diameter and gravity are 1. No function converts; [`case`] turns dimensionless groups into
-//! quantities once. z points upwards, gravity along -z.
+//! All numbers are in one coherent system of units, which the case names: SI, or the one in which solid density,
+//! reference diameter and gravity are 1. No function converts units; [`case`] converts dimensionless groups to
+//! quantities once. z points upwards, gravity acts along -z.
 //!
 //! # One answer
 //!
 //! Positions and forces are multiples of quanta, so that sums are exact ([`numbers::Quantum`] \[Demmel2015\]);
-//! diagnostics are summed exactly ([`numbers::ExactSum`] \[Neal2015\]). So nothing depends on the number of
-//! ranks, the decomposition of the box, the order of work, or restarts. `ARCHITECTURE.md` has the reasons, and a list
-//! of what would break it.
+//! diagnostics are summed exactly ([`numbers::ExactSum`] \[Neal2015\]). Results therefore do not depend on the number
+//! of ranks, the decomposition of the box, the order of work, or restarts. `ARCHITECTURE.md` gives the reasons, and a
+//! list of changes that would break this.
 //!
 //! # Modules
 //!
-//! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
-//! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
-//! [`parallel`], [`particle_sets`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`post_processing`], [`study`],
-//! [`command_line`].
+//! [`time_step`] reads like the method section of a paper; [`state`] describes the data on which it works. Below them
+//! are [`numbers`], [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`],
+//! [`gas`], [`coupling`], [`parallel`], [`particle_sets`] and [`timers`]. Around them are [`analysis`], [`setup`],
+//! [`output`], [`case`], [`simulation`], [`post_processing`], [`study`] and [`command_line`].
 //!
 //! # References
 //!

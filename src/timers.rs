@@ -1,4 +1,4 @@
-//! How the time of a run divides over the phases of the step.
+//! Division of the time of a run among the phases of the step.
 
 use crate::parallel::Communicator;
 use std::time::{Duration, Instant};
@@ -9,13 +9,13 @@ use std::vec::Drain;
 pub enum Phase {
     /// Kick and drift.
     Integrate,
-    /// Whether the list is outdated: one small reduction, in which ranks wait for each other.
+    /// Decision whether the lists are outdated: one small reduction, in which ranks wait for each other.
     Decide,
     /// Migration, new ghosts and new lists.
     Rebuild,
-    /// Ghosts brought up to date, and forces on them brought back, but for the messages.
+    /// Updating of ghosts, and return of the forces on them, except for the messages.
     CopyGhosts,
-    /// The messages of ghosts, in which ranks wait for each other; and all of a refresh between two steps.
+    /// Messages of ghosts, in which ranks wait for each other; and all of a refresh between two steps.
     ExchangeGhosts,
     /// Particles to grid, superficial velocity.
     Gas,
@@ -25,7 +25,7 @@ pub enum Phase {
     Walls,
     /// Gas force on the particles.
     GasForce,
-    /// Looks of measures, their files included.
+    /// Samples of measures, including their files.
     Measures,
     /// Results and checkpoints.
     Output,
@@ -47,7 +47,7 @@ impl Phase {
         Self::Output,
     ];
 
-    /// What the table calls it.
+    /// Its name in the table.
     pub fn name(self) -> &'static str {
         match self {
             Self::Integrate => "integrate",
@@ -71,22 +71,22 @@ pub struct Timers {
     spent: [Duration; Phase::ALL.len()],
 }
 
-/// How long the last steps took. Of more than [`RecentDurations::MOST`] the oldest are forgotten.
+/// Durations of the last steps. If there are more than [`RecentDurations::MOST`], the oldest are dropped.
 #[derive(Clone, Debug, Default)]
 pub struct RecentDurations {
     kept: Vec<Duration>,
-    /// How many have been noted.
+    /// Number of durations that have been recorded.
     count: usize,
 }
 
 /// One phase over all ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseTime {
-    /// Which phase.
+    /// The phase.
     pub phase: Phase,
     /// Mean over ranks, in seconds.
     pub mean: f64,
-    /// Largest over ranks, in seconds.
+    /// Largest value of any rank, in seconds.
     pub largest: f64,
 }
 
@@ -127,10 +127,10 @@ impl Timers {
 }
 
 impl RecentDurations {
-    /// Most durations that are kept.
+    /// Largest number of durations that are kept.
     pub const MOST: usize = 4096;
 
-    /// Adds that of one step.
+    /// Adds the duration of one step.
     pub fn note(&mut self, took: Duration) {
         match self.kept.len() < Self::MOST {
             true => self.kept.push(took),
@@ -139,7 +139,7 @@ impl RecentDurations {
         self.count += 1;
     }
 
-    /// All of them, the shortest first; none are left, but the memory is.
+    /// All durations, the shortest first; they are removed, but the memory is kept.
     pub fn take_sorted(&mut self) -> Drain<'_, Duration> {
         self.count = 0;
         self.kept.sort_unstable();

@@ -1,19 +1,19 @@
-//! Whether a value is what its key allows, and the sentence that says what is allowed.
+//! Checks of values against their keys, and descriptions of the allowed values.
 
 use super::suggestion::nearest;
 use super::tree::{Node, Value};
 use super::wall_time;
 use crate::schema::{Allowed, Key, Kind, Word};
 
-/// A number for people: 9 digits.
+/// A number rounded to 9 digits for output.
 pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.8e}").parse().unwrap_or(number)
 }
 
-/// Checks a value, but not what is inside of a table.
+/// Checks a value, but not the contents of a table.
 ///
 /// # Errors
-/// What the value must be: "must be ...".
+/// A description of the allowed values: "must be ...".
 pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
     let must = || format!("must be {}", description(kind));
     match kind {
@@ -122,7 +122,7 @@ fn check_word(words: &[Word], given: &str) -> Result<(), String> {
     Err(format!("must be {}{hint}", listed(words)))
 }
 
-/// The one of several kinds that is meant, as far as what is written shows.
+/// The intended one of several kinds, as far as the written value shows.
 fn chosen<'a>(kinds: &'a [Kind], node: &Node) -> Option<&'a Kind> {
     kinds.iter().find(|kind| match (&node.value, kind) {
         (Value::Table(_), Kind::Table(_)) => true,
@@ -136,7 +136,7 @@ fn chosen<'a>(kinds: &'a [Kind], node: &Node) -> Option<&'a Kind> {
     })
 }
 
-/// What a value must be, to follow "must be".
+/// A description of the allowed values, to follow "must be".
 pub(super) fn description(kind: &Kind) -> String {
     match kind {
         Kind::Text => "a text in quotes".to_owned(),

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// What the words of faces stand for.
+/// Meaning of the words for faces.
 const FACES: [(&str, Face); 4] = [
     ("periodic", Face::Periodic),
     ("wall", Face::Wall),

@@ -1,11 +1,11 @@
-//! What is different between two texts of a case.
+//! Differences between two texts of a case.
 
 use super::renamed::use_present_names;
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::{Table, Value};
 
-/// A key that is different in two cases.
+/// A key that differs between two cases.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
     /// Its path; the stages are counted from 1: `stage.2.duration`.
@@ -24,7 +24,7 @@ impl fmt::Display for Change {
     }
 }
 
-/// The keys that are different, by their present names, in the order of their paths. A text that is not TOML has no keys.
+/// The keys that differ, by their present names, in the order of their paths. A text that is not TOML has no keys.
 pub fn changes(before: &str, after: &str) -> Vec<Change> {
     let [before, after] = [before, after].map(values_by_key);
     let mut keys: Vec<&String> = before.keys().chain(after.keys()).collect();
@@ -50,7 +50,8 @@ fn values_by_key(text: &str) -> BTreeMap<String, String> {
     all
 }
 
-/// Shows every value of a table that is no table, with its path: `box.lengths`, `stage.1.duration`.
+/// Passes every value of a table that is not itself a table to a function, with its path: `box.lengths`,
+/// `stage.1.duration`.
 pub(crate) fn for_each_value(table: &Table, show: &mut impl FnMut(&str, &Value)) {
     for (key, value) in table {
         visit(key, value, show);

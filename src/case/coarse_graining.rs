@@ -1,6 +1,6 @@
-//! Parcels in place of particles.
+//! Parcels instead of particles.
 //!
-//! The rest of the case describes particles and is read as such; what acts on the parcels follows from it.
+//! The rest of the case describes particles and is read accordingly; the models for the parcels follow from it.
 
 use super::particles::{Amount, BedStart, ParticleSetup};
 use super::section::Section;
@@ -38,7 +38,8 @@ pub(super) fn read_coarse_graining(section: &Section<'_>, case: Case) -> Option<
 }
 
 impl Case {
-    /// Diameter of the particles that bodies of the run of this diameter stand for: their own, or that of a parcel over l.
+    /// Diameter of the particles that are represented by bodies of this diameter: their own diameter, or that of a
+    /// parcel divided by l.
     pub fn particle_diameter(&self, diameter: f64) -> f64 {
         self.coarse_graining.map_or(diameter, |parcels| diameter / parcels.length())
     }

@@ -1,4 +1,4 @@
-//! A column of gas, from its keys.
+//! The column gas, from its keys.
 
 use super::allowed_values::rounded;
 use super::context::ReadContext;
@@ -9,9 +9,9 @@ use crate::domain::{Bounds, Face};
 use crate::gas::{BaseNode, ColumnGas, DragCorrelation, Drive, Plenum, WeightBalance};
 use crate::numbers::Schedule;
 
-/// More grid nodes than this are a mistake.
+/// Largest number of grid nodes: a larger one is a mistake.
 const MOST_NODES: f64 = 1.0e6;
-/// A periodic grid of fewer nodes would meet itself.
+/// Smallest number of nodes of a periodic grid: with fewer it would meet itself.
 const FEWEST_PERIODIC_NODES: f64 = 3.0;
 
 /// `[gas]` of kind "column".
@@ -51,7 +51,7 @@ pub(super) fn read_column(
     })
 }
 
-/// dz, in a periodic box the divisor of its height nearest to the one asked for.
+/// dz; in a periodic box the divisor of its height nearest to the requested value.
 fn read_spacing(section: &Section<'_>, bounds: Option<&Bounds>) -> Option<f64> {
     let asked = section.number("spacing")?;
     let bounds = bounds?;
@@ -102,7 +102,7 @@ fn read_drive(
     section.choice(key, &balances).map(Drive::Weight)
 }
 
-/// The pressure above a compressible gas, which is also that above a plenum's; it stands on a plate.
+/// The pressure above a compressible gas, which is also that above the bed of a plenum; such a gas needs a plate.
 fn read_compressible(
     section: &Section<'_>,
     drive: Option<&Drive>,

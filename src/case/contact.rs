@@ -1,4 +1,4 @@
-//! The section of contact: between particles, and at walls.
+//! The section on contacts: between particles, and at walls.
 
 use super::contact_laws::{AdhesionContext, read_law};
 use super::errors::Problems;
@@ -15,14 +15,14 @@ use crate::contact::{
 /// The contacts of a stage.
 pub(super) struct Contacts {
     pub(super) particles: ByPair<ContactModel>,
-    /// By the numbers of the walls.
+    /// Contacts at walls, by the numbers of the walls.
     pub(super) at_walls: Vec<BySpecies<ContactModel>>,
 }
 
-/// `[contact]`, `[contact.wall]`, and what each species, each pair and each wall says.
+/// Reads `[contact]`, `[contact.wall]`, and the keys of each species, each pair and each wall.
 ///
-/// Walls take the keys of `[contact]`, changed by those of the species, of `[contact.wall]`, of the species at walls, and
-/// by their own; a change that names a law stands for itself.
+/// Walls inherit the keys of `[contact]`, changed by those of the species, of `[contact.wall]`, of the species at
+/// walls, and by their own; a change that names a law inherits nothing.
 pub(super) fn read_contact(
     section: &Section<'_>,
     walls: &[Option<&Node>],
@@ -50,7 +50,7 @@ pub(super) fn read_contact(
     };
     let at_walls = |own: Option<&Node>| species.for_each(|number| at_wall(number, own));
     if let (true, Some(_)) = (walls.is_empty(), for_all) {
-        // What is said about walls must be right, also without any.
+        // The keys for walls must be correct even if there are no walls.
         at_walls(None);
     }
     let at_walls: Vec<Option<_>> = walls.iter().map(|own| at_walls(*own)).collect();
@@ -58,13 +58,13 @@ pub(super) fn read_contact(
     Some(Contacts { particles: particles?, at_walls })
 }
 
-/// The particles that touch a wall: the section of their contacts, and what they are made of.
+/// The particles that touch a wall: the section of their contacts, and their material.
 struct ParticleSide<'a> {
     particles: &'a Node,
     body: Option<Elasticity>,
 }
 
-/// The model at a wall, where the section of the particles is changed; theirs if it is not.
+/// The model at a wall, if the section of the particles is changed there; otherwise the model of the particles.
 fn read_at_wall(
     ParticleSide { particles, body }: ParticleSide<'_>,
     changes: &[&Node],
@@ -79,7 +79,7 @@ fn read_at_wall(
     read_model(&section, body.filter(|_| node.is_some()), adhesion)
 }
 
-/// The section without its sub-section on walls.
+/// The section without its subsection on walls.
 fn without_walls(contact: &Node) -> Node {
     let mut contact = contact.clone();
     if let Value::Table(entries) = &mut contact.value {
@@ -88,7 +88,7 @@ fn without_walls(contact: &Node) -> Node {
     contact
 }
 
-/// A section with the keys of a change in the place of its own; the change alone if it names a law.
+/// A section with its own keys replaced by those of a change; only the change if it names a law.
 fn changed(section: &Node, change: &Node) -> Node {
     let mut node = change.clone();
     if change.get("law").is_none()
@@ -116,7 +116,7 @@ fn require_adhesion(contact: &Section<'_>, changes: &[&Node]) {
     }
 }
 
-/// Law and rolling friction; the other body is of `other`'s elasticity, or of the same.
+/// Law and rolling friction; the other body has the elasticity `other`, or the same one.
 fn read_model(
     section: &Section<'_>,
     other: Option<Elasticity>,
@@ -133,7 +133,7 @@ fn read_model(
     Some(ContactModel { law, rolling, twisting, softening })
 }
 
-/// Twisting friction; `Some(None)`: none.
+/// Twisting friction; `Some(None)` if there is none.
 fn read_twisting(section: &Section<'_>) -> Option<Option<TwistingFriction>> {
     if section.word("twisting")? == "none" {
         return Some(None);
@@ -146,7 +146,7 @@ fn read_twisting(section: &Section<'_>) -> Option<Option<TwistingFriction>> {
         .ok()
 }
 
-/// What is stated of stiffer, real particles; `Some(None)`: nothing.
+/// Softening relative to stiffer, real particles; `Some(None)` if there is none.
 fn read_softening(section: &Section<'_>) -> Option<Option<Softening>> {
     let keeps_work = match section.word("softening")? {
         "keeps_force" => false,
@@ -156,7 +156,7 @@ fn read_softening(section: &Section<'_>) -> Option<Option<Softening>> {
     Some(Some(Softening { reduction: section.number("stiffness_reduction")?, keeps_work }))
 }
 
-/// Rolling friction; `Some(None)`: none, as with a coefficient of 0.
+/// Rolling friction; `Some(None)` if there is none, or its coefficient is 0.
 fn read_rolling(section: &Section<'_>) -> Option<Option<RollingFriction>> {
     let kind = match section.word("rolling")? {
         "constant_torque" => RollingKind::ConstantTorque,

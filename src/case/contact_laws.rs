@@ -8,21 +8,21 @@ use crate::contact::{ContactLaw, ContactLawValues, Elasticity};
 use crate::rules::attraction_of_bond_number;
 use crate::schema::KeyValues;
 
-/// What laws with adhesion need from the rest of the file.
+/// Data from the rest of the file for laws with adhesion.
 pub(super) struct AdhesionContext<'a> {
     /// Whether `[cohesion]` is on.
     pub(super) cohesive: bool,
     pub(super) read: ReadContext<'a>,
 }
 
-/// What a law reads its keys through.
+/// The interface through which a law reads its keys.
 struct LawSection<'a> {
     section: &'a Section<'a>,
     other_body: Option<Elasticity>,
     adhesion: &'a AdhesionContext<'a>,
 }
 
-/// The law of a section; the other body is of this elasticity, or of the same.
+/// The law of a section; the other body has this elasticity, or the same one.
 pub(super) fn read_law(
     section: &Section<'_>,
     other_body: Option<Elasticity>,

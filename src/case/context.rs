@@ -1,4 +1,4 @@
-//! What sections need to know of each other.
+//! Data that sections need from each other.
 
 use super::particles::Scales;
 use super::section::Section;
@@ -7,7 +7,7 @@ use super::units::Units;
 use crate::state::Domain;
 use std::ops::Range;
 
-/// What other sections of the file say, as far as it is known, for those who need it.
+/// Data from other sections of the file, as far as they are known.
 #[derive(Clone, Copy)]
 pub(super) struct ReadContext<'a> {
     pub(super) units: Option<Units>,
@@ -16,11 +16,11 @@ pub(super) struct ReadContext<'a> {
     pub(super) domain: Option<&'a Domain>,
     /// g.
     pub(super) gravity: Option<f64>,
-    /// When each stage begins and ends.
+    /// Start and end of each stage.
     pub(super) times: &'a [Range<f64>],
 }
 
-/// A span of time must last for a step at least.
+/// Requires that a span of time lasts for at least one step.
 pub(super) fn require_a_step(
     section: &Section<'_>,
     name: &str,

@@ -1,4 +1,4 @@
-//! The drag law and how it is shared, from their keys.
+//! The drag law and the rule by which it is shared, from their keys.
 
 use super::section::Section;
 use crate::gas::{DragLaw, DragShare};
@@ -8,7 +8,7 @@ pub(super) fn read_drag(section: &Section<'_>) -> Option<DragLaw> {
     DragLaw::from_keys(section.word("drag")?, section)
 }
 
-/// How particles of different sizes share the drag.
+/// Rule by which particles of different sizes share the drag.
 pub(super) fn read_drag_share(section: &Section<'_>) -> Option<DragShare> {
     let shares = [("own_diameter", DragShare::Diameter), ("sauter_diameter", DragShare::Surface)];
     section.choice("drag_in_mixtures", &shares)

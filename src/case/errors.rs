@@ -1,39 +1,39 @@
-//! What is wrong with a case file: every error with its place, key, value and what is allowed.
+//! Errors in a case file, each with its place, key, value and the allowed values.
 
 use std::cell::RefCell;
 use std::fmt;
 use thiserror::Error;
 
-/// Where in its input an error lies.
+/// Place of an error in the input.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SourcePlace {
     /// The file as a whole.
     File,
     /// A line, from 1.
     Line(usize),
-    /// A line and a column, from 1: where the parser stumbled.
+    /// A line and a column, from 1, at which the parser failed.
     Column(usize, usize),
-    /// An override, `key.path=value`, of the command line.
+    /// An override `key.path=value` on the command line.
     Override(String),
 }
 
 /// One error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseError {
-    /// Where.
+    /// Its place.
     pub place: SourcePlace,
-    /// Path of the key, for example `contact.restitution`; empty if it is no key's error.
+    /// Path of the key, for example `contact.restitution`; empty if the error does not belong to a key.
     pub key: String,
     /// The value as it was written, if there is one.
     pub value: Option<String>,
-    /// What is wrong or what is allowed.
+    /// The error, or the allowed values.
     pub message: String,
 }
 
 /// All errors of a case file, in the order of its lines; at least one.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub struct CaseErrors {
-    /// Name of the file as the user gave it.
+    /// Name of the file, as given by the user.
     pub file_name: String,
     /// The errors.
     pub errors: Vec<CaseError>,
@@ -83,7 +83,7 @@ pub(super) struct Problems {
 }
 
 impl Problems {
-    /// Adds an error, once: stages repeat what they take over from the base.
+    /// Adds an error, but only once: stages repeat the keys that they inherit from the base.
     pub(super) fn add(&self, mut error: CaseError) {
         error.value = error.value.map(|value| shortened(&value));
         error.message = shortened(&error.message);
@@ -93,12 +93,12 @@ impl Problems {
         }
     }
 
-    /// Adds an error that belongs to no key.
+    /// Adds an error that does not belong to a key.
     pub(super) fn add_at(&self, place: SourcePlace, message: impl Into<String>) {
         self.add(CaseError { place, key: String::new(), value: None, message: message.into() });
     }
 
-    /// Adds a note, once.
+    /// Adds a note, but only once.
     pub(super) fn note(&self, note: String) {
         let mut notes = self.notes.borrow_mut();
         if !notes.contains(&note) {
@@ -106,7 +106,7 @@ impl Problems {
         }
     }
 
-    /// Whether nothing is wrong so far.
+    /// Whether there are no errors so far.
     pub(super) fn is_empty(&self) -> bool {
         self.errors.borrow().is_empty()
     }

@@ -1,4 +1,4 @@
-//! The sections of what acts on particles at any distance: cohesion, gravity and vibration.
+//! The sections on forces that act on particles at any distance: cohesion, gravity and vibration.
 
 use super::context::ReadContext;
 use super::schedules::{read_schedule, start_of};
@@ -10,7 +10,7 @@ use crate::numbers::Schedule;
 use crate::rules::{ContactPartner, attraction_of_bond_number, hamaker_constant_per_bond_number};
 use std::f64::consts::PI;
 
-/// `[cohesion]`; Bond numbers are those of the reference diameter.
+/// Reads `[cohesion]`; Bond numbers refer to the reference diameter.
 pub(super) fn read_cohesion(
     section: &Section<'_>,
     context: ReadContext<'_>,
@@ -21,7 +21,7 @@ pub(super) fn read_cohesion(
     }
 }
 
-/// `[cohesion]` by Hamaker's constants.
+/// Reads `[cohesion]` with Hamaker constants.
 fn read_van_der_waals(section: &Section<'_>, context: ReadContext<'_>) -> Option<VanDerWaals> {
     let (cut_off, range) = (section.number("cut_off"), section.number("range"));
     if let (Some(cut_off), Some(range)) = (cut_off, range)
@@ -101,7 +101,7 @@ pub(super) fn softened(
     softened
 }
 
-/// g, unless it is 0 and a dimensionless number needs it.
+/// g; an error if it is 0 and a dimensionless number needs it.
 pub(super) fn positive_gravity(
     section: &Section<'_>,
     key: &'static str,
@@ -116,7 +116,7 @@ pub(super) fn positive_gravity(
     Some(gravity)
 }
 
-/// `[gravity]`: its magnitude.
+/// Reads `[gravity]`: its magnitude.
 pub(super) fn read_gravity(section: &Section<'_>, units: Option<Units>) -> Option<f64> {
     let magnitude = section.number("magnitude")?;
     if units == Some(Units::Dimensionless) && magnitude != 0.0 && magnitude != 1.0 {
@@ -127,7 +127,7 @@ pub(super) fn read_gravity(section: &Section<'_>, units: Option<Units>) -> Optio
     Some(magnitude)
 }
 
-/// `[vibration]`; its phase is 0 at the start of the stage that sets the frequency.
+/// Reads `[vibration]`; its phase is 0 at the start of the stage that sets the frequency.
 pub(super) fn read_vibration(section: &Section<'_>, context: ReadContext<'_>) -> Option<Vibration> {
     let key = section.given(&["gamma", "amplitude"])?;
     let gravity = positive_gravity(section, key, "it a magnitude", context.gravity)?;

@@ -1,4 +1,4 @@
-//! The section of the gas: which kind it is, and what both kinds have.
+//! The section on the gas: its kind, and the keys common to both kinds.
 
 use super::column::read_column;
 use super::context::ReadContext;
@@ -10,7 +10,7 @@ use crate::rules::viscosity_of_stokes_number;
 
 /// `[gas]`.
 pub(super) fn read_gas(section: &Section<'_>, context: ReadContext<'_>) -> Option<GasModel> {
-    // Also without a known kind: what is wrong with the viscosity is said.
+    // The viscosity is read even without a known kind, so that its errors are reported.
     let viscosity = read_viscosity(section, context);
     match section.word("kind")? {
         "volume_averaged" => {
@@ -20,7 +20,7 @@ pub(super) fn read_gas(section: &Section<'_>, context: ReadContext<'_>) -> Optio
     }
 }
 
-/// mu, or from St = rho_s g^1/2 d^3/2 / mu.
+/// mu, given directly or through St = rho_s g^1/2 d^3/2 / mu.
 fn read_viscosity(section: &Section<'_>, context: ReadContext<'_>) -> Option<f64> {
     let key = section.given(&["viscosity", "stokes_number"])?;
     let number = section.number(key)?;

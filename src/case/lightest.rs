@@ -1,4 +1,4 @@
-//! Contacts of the lightest particles, which last the shortest time.
+//! Contacts of the lightest particles, which have the shortest duration.
 
 use super::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactModel};
@@ -6,8 +6,8 @@ use crate::rules::ReducedBody;
 use crate::state::SizeRange;
 
 impl Case {
-    /// Duration of the shortest contact in a stage of particles of these sizes: of two of the lightest of any species, or of
-    /// one and a wall.
+    /// Duration of the shortest contact in a stage of particles of these sizes: of two of the lightest of any species,
+    /// or of one and a wall.
     pub fn shortest_contact(&self, stage: &Stage, sizes: &SizeRange) -> f64 {
         let duration = |interface: &ContactModel, bodies: ReducedBody| {
             interface.law.contact_duration(bodies.mass, bodies.radius)

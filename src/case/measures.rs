@@ -9,13 +9,13 @@ use crate::measures::{MeasureKind, MeasurePlan, MeasureValues};
 use crate::schema::KeyValues;
 use crate::state::SizeRange;
 
-/// What a kind of measure reads its keys through.
+/// The interface through which a kind of measure reads its keys.
 struct MeasureSection<'a> {
     section: &'a Section<'a>,
     case: &'a Case,
 }
 
-/// `[measure.NAME]`, all of them, for a case that is otherwise complete.
+/// Reads all `[measure.NAME]` sections, for a case that is otherwise complete.
 pub(super) fn read_measures(root: &Section<'_>, case: &Case) -> Option<Vec<MeasurePlan>> {
     let plans = root.named("measure").into_iter().map(|(name, section)| {
         if !is_name(name) {
@@ -30,7 +30,7 @@ pub(super) fn read_measures(root: &Section<'_>, case: &Case) -> Option<Vec<Measu
     plans.collect::<Vec<_>>().into_iter().collect()
 }
 
-/// The measure whose agglomerates snapshots show must be one of agglomerates.
+/// Checks that the measure whose agglomerates snapshots contain is one of agglomerates.
 pub(super) fn check_agglomerates(output: &Section<'_>, case: &Case) {
     let Some(name) = &case.output.agglomerates else { return };
     let is_it = |plan: &&MeasurePlan| plan.name == *name;

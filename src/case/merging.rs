@@ -1,4 +1,4 @@
-//! Changes of a section by a later stage, or by a wall, as its table says what takes the place of what.
+//! Merging of a section with changes by a later stage, or by a wall; its table determines which keys replace which.
 
 use super::errors::Problems;
 use super::schema::{STAGE, section_keys};
@@ -6,8 +6,8 @@ use super::section::Section;
 use super::tree::{Node, Value};
 use crate::schema::{ActiveKeys, Key, Kind, displaced_by};
 
-/// Puts entries in the place of those of the same key or of a partner. If they choose another word, keys that only
-/// the word before has are dropped. Sub-sections are merged likewise.
+/// Replaces entries of the same key or of a partner. If the new entries choose another word, keys that only the
+/// previous word has are dropped. Subsections are merged likewise.
 pub(super) fn merge(
     kept: &mut Vec<(String, Node)>,
     changes: Vec<(String, Node)>,
@@ -45,7 +45,7 @@ fn inner_of<'a>(entries: &'a mut [(String, Node)], name: &str) -> Option<&'a mut
     entries.iter_mut().find(|(other, _)| other == name).map(|(_, node)| node)
 }
 
-/// Keys that words of these keys, as they are chosen now, have no use for.
+/// Keys that are not used by the words that these keys presently choose.
 pub(super) fn useless_keys<'a>(
     keys: &'static [Key],
     word_of: &impl Fn(&'static str) -> Option<&'a str>,
@@ -57,7 +57,7 @@ pub(super) fn useless_keys<'a>(
     by_choice.map(|(key, _)| key.name).collect()
 }
 
-/// A section that stages may change: as it stands now, and whether it is switched on.
+/// A section that stages may change: its present contents, and whether it is switched on.
 #[derive(Clone)]
 pub(super) struct StageSection {
     name: &'static str,
@@ -67,7 +67,7 @@ pub(super) struct StageSection {
 }
 
 impl StageSection {
-    /// All of them, before anything is said.
+    /// All such sections, initially empty.
     pub(super) fn all() -> Vec<Self> {
         let may_change = STAGE.iter().filter(|key| matches!(key.kind, Kind::Merged(_)));
         may_change
@@ -75,7 +75,7 @@ impl StageSection {
             .collect()
     }
 
-    /// Takes over what the base of the file, or a stage, says about this section.
+    /// Merges the contents of this section in the base of the file, or in a stage.
     pub(super) fn change(&mut self, section: &Section<'_>, stage: usize) {
         let Some(node) = section.node.get(self.name) else { return };
         match (&node.value, node.as_text()) {
@@ -89,7 +89,7 @@ impl StageSection {
                 let message = "there is nothing to switch on: no keys are given before";
                 section.problems.add(node.error(message));
             }
-            // What else may stand here has been reported.
+            // Anything else here has been reported.
             _ => {}
         }
     }
@@ -106,7 +106,7 @@ impl StageSection {
         }
     }
 
-    /// The section of a name, if it is switched on.
+    /// The section with a name, if it is switched on.
     pub(super) fn open<'a>(
         all: &'a [Self],
         name: &'static str,
@@ -116,12 +116,12 @@ impl StageSection {
         Section::open(section.node.as_ref()?, section_keys(name), problems)
     }
 
-    /// Remembers which sections are on in a stage.
+    /// Records which sections are on in a stage.
     pub(super) fn mark(all: &mut [Self]) {
         all.iter_mut().for_each(|section| section.was_on |= section.is_on);
     }
 
-    /// Switches on the sections that no stage had switched on; whether there are any.
+    /// Switches on the sections that no stage had switched on; returns whether there are any.
     pub(super) fn switch_on_unused(all: &mut [Self]) -> bool {
         let is_unused = |section: &Self| !section.was_on && section.node.is_some();
         let any = all.iter().any(is_unused);

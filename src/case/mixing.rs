@@ -1,11 +1,11 @@
-//! A section for a pair of species, made of those of each by the rules of its keys.
+//! A section for a pair of species, made from those of each species by the rules of its keys.
 
 use super::errors::CaseError;
 use super::merging::merge;
 use super::tree::{Node, Value};
 use crate::schema::{ActiveKeys, Key, Mixing, displaced_by};
 
-/// A section with the keys of a change in the place of its own.
+/// A section with its own keys replaced by those of a change.
 pub(super) fn with_changes(base: &Node, change: Option<&Node>, keys: &'static [Key]) -> Node {
     let mut node = base.clone();
     if let (Value::Table(entries), Some(change)) = (&mut node.value, change) {
@@ -14,11 +14,11 @@ pub(super) fn with_changes(base: &Node, change: Option<&Node>, keys: &'static [K
     node
 }
 
-/// The section of two species, of these names, that the sections of each give. Of what `own` replaces the value of the
-/// first is kept.
+/// The section for two species with these names, from the sections of each. For keys that are replaced in `own`, the
+/// value of the first species is kept.
 ///
 /// # Errors
-/// If values differ that no rule mixes, or `own` says what belongs to a single species.
+/// If values differ for which there is no mixing rule, or `own` contains keys that belong to a single species.
 pub(super) fn mixed(
     [one, other]: [&Node; 2],
     own: Option<&Node>,
@@ -59,7 +59,7 @@ pub(super) fn mixed(
     }
 }
 
-/// The value that two values give; `None` if they differ and have no rule.
+/// The value for two values; `None` if they differ and have no rule.
 fn mixed_value(rule: Mixing, one: &Node, other: &Node) -> Option<Value> {
     if rule == Mixing::OfBody || one.to_string() == other.to_string() {
         return Some(one.value.clone());

@@ -1,7 +1,8 @@
-//! The case file: a schema of its own, read strictly and turned once into what the rest works with.
+//! The case file: it has a schema of its own, is read strictly, and is converted once into the data of the other
+//! modules.
 //!
-//! `schema` holds a table of keys for every section. Reading, `--set`, the merging of stages, error messages,
-//! `docs/input.md`, `talcum keys` and the schema for editors follow from it.
+//! `schema` contains a table of keys for every section. Reading, `--set`, the merging of stages, error messages,
+//! `docs/input.md`, `talcum keys` and the schema for editors are based on it.
 
 mod allowed_values;
 mod bed;
@@ -75,10 +76,10 @@ use std::path::Path;
 use std::time::Duration;
 use tree::{NOT_UTF8, Node, utf8_text};
 
-/// A run as its case file describes it.
+/// A run as described by its case file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What the user calls it.
+    /// Title given by the user.
     pub title: String,
     /// The system of units of all numbers.
     pub units: Units,
@@ -90,12 +91,12 @@ pub struct Case {
     pub stages: Vec<Stage>,
     /// Particles; the parcels of a run that is coarse-grained.
     pub particles: ParticleSetup,
-    /// How many particles a parcel stands for and what it keeps, in a run of parcels. Particles and physics here are those of
-    /// the parcels.
+    /// Number of particles in a parcel and the property that is kept, in a run of parcels. Particles and physics here
+    /// are those of the parcels.
     pub coarse_graining: Option<CoarseGraining>,
     /// Results.
     pub output: OutputPlan,
-    /// What is measured during the run.
+    /// Measures of the run.
     pub measures: Vec<MeasurePlan>,
     /// Checkpoints.
     pub checkpoint: CheckpointPlan,
@@ -105,7 +106,7 @@ pub struct Case {
     pub parallel: ParallelPlan,
     /// Choices of physics that the file leaves to a default, as messages.
     pub notes: Vec<String>,
-    /// Where in the file its values stand.
+    /// Places of the values in the file.
     pub places: Places,
 }
 
@@ -113,7 +114,7 @@ impl Case {
     /// Reads a case file; each override is a text `key.path=value`.
     ///
     /// # Errors
-    /// All that is wrong with the file, not only the first.
+    /// All errors of the file, not only the first.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, CaseErrors> {
         let name = path.display().to_string();
         let text = Self::read_text(path)?;
@@ -135,10 +136,10 @@ impl Case {
         utf8_text(bytes).map_err(|line| error(SourcePlace::Line(line), NOT_UTF8.to_owned()))
     }
 
-    /// Reads the text of a case, which errors call `file_name`; paths in it are relative to `folder`.
+    /// Reads the text of a case, which is called `file_name` in errors; paths in it are relative to `folder`.
     ///
     /// # Errors
-    /// All that is wrong with the text, not only the first.
+    /// All errors of the text, not only the first.
     pub fn from_text(
         text: &str,
         file_name: &str,
@@ -148,11 +149,11 @@ impl Case {
         Self::with_names((text, FormerNames::Reported), file_name, folder, overrides)
     }
 
-    /// Reads the text that a run has kept of its case, as [`Case::from_text`] does. Keys that have been renamed since are read
-    /// by their former names.
+    /// Reads the text of the case that a run has stored, like [`Case::from_text`]. Keys that have been renamed since
+    /// are also read by their former names.
     ///
     /// # Errors
-    /// All that is wrong with the text, not only the first.
+    /// All errors of the text, not only the first.
     pub fn of_earlier_run(
         text: &str,
         file_name: &str,
@@ -184,7 +185,7 @@ impl Case {
     /// The text of a case with overrides applied. Its values are not checked.
     ///
     /// # Errors
-    /// If the text is not TOML, or an override leads nowhere.
+    /// If the text is not TOML, or the path of an override does not exist.
     pub fn text_with(
         text: &str,
         file_name: &str,
@@ -197,25 +198,25 @@ impl Case {
         }
     }
 
-    /// When the run ends.
+    /// Time at which the run ends.
     pub fn end_time(&self) -> f64 {
         self.stages.last().map_or(0.0, |stage| stage.end)
     }
 
-    /// Number of the stage of the step that starts at a time; the last one never ends.
+    /// Number of the stage to which the step that starts at a time belongs; the last stage never ends.
     ///
-    /// The middle of the step decides: times that are sums of steps differ by rounding from the start of a stage.
+    /// The middle of the step is decisive: times that are sums of steps differ by rounding from the start of a stage.
     pub fn stage_number_at(&self, time: f64) -> usize {
         let middle = time + self.stages.first().map_or(0.0, |stage| 0.5 * stage.physics.time_step);
         self.stages.partition_point(|stage| stage.start <= middle).saturating_sub(1)
     }
 
-    /// The stage of the step that starts at a time.
+    /// The stage to which the step that starts at a time belongs.
     pub fn stage_at(&self, time: f64) -> &Stage {
         &self.stages[self.stage_number_at(time)]
     }
 
-    /// The range that the sizes of particles can have; `None` if a file or another run says it.
+    /// The possible range of the sizes of particles; `None` if a file or another run determines it.
     pub fn size_range(&self) -> Option<SizeRange> {
         self.particles.size_range()
     }
@@ -240,17 +241,18 @@ impl Case {
         gases.find(|gas| gas.volume_averaged().is_some()).unwrap_or(&GasModel::None)
     }
 
-    /// The particles at the start: those of a part of the bed, in the order of their ids. They are what they are in the
-    /// whole bed.
+    /// The particles at the start: those of a part of the bed, in the order of their ids. They are identical to those
+    /// of the whole bed.
     ///
     /// # Errors
-    /// If the bed does not fit, if its file is wrong, or if the start is the end of another run; the same for all parts.
+    /// If the bed does not fit, if its file is wrong, or if the start is the end of another run; the same error for all
+    /// parts.
     pub fn initial_bed(&self, part: BedPart) -> Result<InitialBed, BedError> {
         bed::build(self, part)
     }
 
-    /// Least width of the ghost layer, with the narrowest skin, in the stage that needs the widest: subdomains may not be
-    /// narrower, periodic boxes not than twice as much.
+    /// Least width of the ghost layer, with the narrowest skin, in the stage that needs the widest. Subdomains must not
+    /// be narrower, and periodic boxes not narrower than twice this width.
     pub fn ghost_width(&self, sizes: &SizeRange) -> f64 {
         let ranges = self.stages.iter().map(|stage| stage.physics.range(sizes));
         let interaction = ranges.fold(0.0, f64::max);
@@ -258,14 +260,14 @@ impl Case {
         ListRange { interaction, skin }.ghost_width(sizes.largest_diameter)
     }
 
-    /// How the skin of the neighbour lists of these particles is chosen.
+    /// Rule for the skin of the neighbour lists of these particles.
     pub fn skin(&self, sizes: &SizeRange) -> Skin {
         let diameter = sizes.largest_diameter;
         let given = self.parallel.skin.map(|skin| Skin::Fixed(skin * diameter));
         given.unwrap_or(Skin::FromSpeeds { diameter })
     }
 
-    /// What is wrong with box and time step for particles of these sizes: (key, message).
+    /// Errors of box and time step for particles of these sizes: (key, message).
     pub fn check_sizes(&self, sizes: &SizeRange) -> Vec<(&'static str, String)> {
         let mut wrong = check_box(&self.domain.bounds, self, sizes);
         wrong.extend(walls::check_walls(self, sizes.smallest_diameter));
@@ -290,10 +292,10 @@ impl Case {
         wrong
     }
 
-    /// As [`Case::check_sizes`], with the place of each key.
+    /// Like [`Case::check_sizes`], with the place of each key.
     ///
     /// # Errors
-    /// All that is wrong.
+    /// All errors.
     pub fn require_sizes(&self, sizes: &SizeRange) -> Result<(), CaseErrors> {
         match self.check_sizes(sizes) {
             wrong if wrong.is_empty() => Ok(()),
@@ -302,8 +304,8 @@ impl Case {
     }
 }
 
-/// The volume-averaged gas moves at whole multiples of its step, on cells that are the same for all stages
-/// and not too small for the particles.
+/// Checks that the volume-averaged gas moves at whole multiples of its step, on cells that are equal for all stages and
+/// not too small for the particles.
 fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static str, String)> {
     let (model, first) = (stage.physics.gas.volume_averaged()?, case.volume_averaged()?);
     let (name, step) = (&stage.name, (stage.start / stage.physics.time_step).round() as u64);
@@ -328,7 +330,7 @@ fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static
     })
 }
 
-/// The box must hold a particle, and be wide enough for its ghosts where it is periodic.
+/// Checks that the box can contain a particle, and is wide enough for its ghosts where it is periodic.
 fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static str, String)> {
     let largest = sizes.largest_diameter;
     let width = case.ghost_width(sizes);

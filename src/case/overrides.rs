@@ -1,4 +1,4 @@
-//! Overrides of the command line, `key.path=value`: put into the text, with its format kept.
+//! Overrides of the command line, `key.path=value`: they are inserted into the text, whose format is kept.
 
 use super::errors::{Problems, SourcePlace};
 use super::merging::useless_keys;
@@ -7,10 +7,10 @@ use super::tree::Node;
 use crate::schema::{Key, Kind, displaced_by, every_key};
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// More keys than any path of the schema has.
+/// Largest number of keys in a path, above that of any path of the schema.
 const DEEPEST: usize = 16;
 
-/// The text with overrides applied, and its tree: places are lines of the text as it was, or overrides.
+/// The text with overrides applied, and its tree: places are lines of the original text, or overrides.
 pub(super) fn apply(
     text: &str,
     overrides: &[String],
@@ -56,12 +56,12 @@ fn place_of(
     if let Some((_, place)) = places.iter().find(|(known, _)| known == path) {
         return place.clone();
     }
-    // A section that an override made.
+    // A section that was made by an override.
     let maker = applied.iter().find(|(set, _)| below(set, path));
     maker.map_or(SourcePlace::File, |(_, given)| SourcePlace::Override(given.clone()))
 }
 
-/// Applies one override; returns the path that it sets, members of lists by number.
+/// Applies one override; returns the path that it sets, with members of lists by number.
 fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
     let (path, value) =
         given.split_once('=').ok_or("an override must look like key.path=value".to_owned())?;
@@ -84,7 +84,7 @@ fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
     Ok(resolved.join("."))
 }
 
-/// A value of TOML; a bare word, or a duration such as 3h50m, is a text.
+/// A value of TOML; a bare word, or a duration such as 3h50m, is read as text.
 fn value_of(text: &str) -> Result<Value, String> {
     if let Ok(value) = text.parse::<Value>() {
         return Ok(value);
@@ -99,7 +99,7 @@ fn value_of(text: &str) -> Result<Value, String> {
     }
 }
 
-/// A table of the file, and the keys that may stand in it.
+/// A table of the file, and the keys that are allowed in it.
 struct Target<'a> {
     table: &'a mut dyn TableLike,
     keys: &'static [Key],
@@ -122,7 +122,7 @@ fn set_in(
     let keys = inner.map(|key| key.kind.keys()).unwrap_or_default();
     let item = table.entry(name).or_insert(Item::Table(Table::new()));
     if item.as_str() == Some("on") && !keys.is_empty() {
-        // A section in its place switches it on too.
+        // A section instead of the switch also switches it on.
         *item = Item::Value(InlineTable::new().into());
     }
     if let Some(table) = item.as_table_like_mut() {
@@ -145,7 +145,7 @@ fn set_in(
     }
 }
 
-/// Sets a key in one of the sections of a user's own names.
+/// Sets a key in one of the sections with names chosen by the user.
 fn set_in_named(
     Target { table, keys }: Target<'_>,
     path: &[&str],
@@ -177,8 +177,8 @@ fn members_of(item: &mut Item) -> Option<Vec<&mut dyn TableLike>> {
     }
 }
 
-/// Gives a key a value, in the place of its partners; a new word drops the keys that only the old one has. A comment
-/// behind the old value stays.
+/// Sets a key, replacing its partners; a new word drops the keys that only the old one has. A comment behind the old
+/// value is kept.
 fn insert(Target { table, keys }: Target<'_>, name: &str, mut value: Value) {
     for partner in displaced_by(keys, name) {
         table.remove(partner);

@@ -8,15 +8,15 @@ use toml_edit::{DocumentMut, Item, TableLike, TomlError, Value, value};
 impl Case {
     /// Replaces the contact law between particles in all stages, and at the walls that have the same law.
     ///
-    /// The text of the case then names the law, and so do `case.toml` and checkpoints. No case file can choose a law from
-    /// outside the crate, so that a restart from these by a program that does not know the law fails with an error at
-    /// `contact.law`, instead of going on with another law. A program that knows it reads the text with an override of
-    /// that key, and calls this function again.
+    /// The text of the case then names the law, and so do `case.toml` and checkpoints. No case file can choose a law
+    /// from outside the crate, so a restart from these by a program that does not know the law fails with an error at
+    /// `contact.law`, instead of continuing with another law. A program that knows the law reads the text with an
+    /// override of that key, and calls this function again.
     ///
-    /// Where bodies of the run are parcels (`[coarse_graining]`), the law is that of parcels.
+    /// If the bodies of the run are parcels (`[coarse_graining]`), the law is that of parcels.
     ///
     /// # Errors
-    /// If the text of the case is not valid TOML any more.
+    /// If the text of the case is no longer valid TOML.
     pub fn with_contact_law(mut self, law: &ContactLaw) -> Result<Self, TomlError> {
         self.text = renamed(&self.text, ["contact", "law"], law.name())?;
         for stage in &mut self.stages {
@@ -35,10 +35,10 @@ impl Case {
         Ok(self)
     }
 
-    /// Replaces the drag law in all stages with gas; else as [`Case::with_contact_law`].
+    /// Replaces the drag law in all stages with gas; otherwise like [`Case::with_contact_law`].
     ///
     /// # Errors
-    /// If the text of the case is not valid TOML any more.
+    /// If the text of the case is no longer valid TOML.
     pub fn with_drag_law(mut self, law: &DragLaw) -> Result<Self, TomlError> {
         self.text = renamed(&self.text, ["gas", "drag"], law.name())?;
         for stage in &mut self.stages {
@@ -72,7 +72,7 @@ fn rename_in(table: &mut dyn TableLike, [section, key]: [&str; 2], name: &str) {
     }
 }
 
-/// The tables of a list, in either form that TOML has for it.
+/// Applies a function to the tables of a list, in either form that TOML has for it.
 fn for_each_table(item: &mut Item, work: &mut dyn FnMut(&mut dyn TableLike)) {
     match item {
         Item::ArrayOfTables(tables) => tables.iter_mut().for_each(|table| work(table)),

@@ -1,4 +1,4 @@
-//! How many particles there are, of what, and where they begin.
+//! Number, material and initial positions of the particles.
 
 use super::section::Section;
 use super::sizes::{SizeClass, SizeDistribution, read_diameter};
@@ -9,28 +9,28 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-/// The particles as the case describes them.
+/// The particles as described by the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParticleSetup {
-    /// How many; `None` if a file says it.
+    /// Number of particles; `None` if a file determines it.
     pub amount: Option<Amount>,
-    /// Diameters; `None` if a file says them.
+    /// Diameters; `None` if a file determines them.
     pub sizes: Option<SizeDistribution>,
-    /// Diameter that Bond and Stokes number refer to.
+    /// Reference diameter for Bond and Stokes numbers.
     pub reference_diameter: f64,
-    /// Solid density, also that of Bond and Stokes number.
+    /// Solid density, also for Bond and Stokes numbers.
     pub density: f64,
     /// Seed of all random numbers; 0 if none are drawn.
     pub seed: u64,
-    /// Where they begin.
+    /// Initial positions.
     pub start: BedStart,
-    /// T of the random velocities at the start, the variance of each component.
+    /// T of the random velocities at the start: the variance of each component.
     pub granular_temperature: f64,
-    /// The species; none if all particles are of one that has no name.
+    /// The species; empty if all particles are of one species without a name.
     pub species: Vec<Species>,
 }
 
-/// How many particles.
+/// Number of particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
     /// This many.
@@ -39,14 +39,14 @@ pub enum Amount {
     FillHeight(f64),
 }
 
-/// Where the particles begin.
+/// Initial positions of the particles.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BedStart {
     /// Layers of a simple cubic lattice.
     Lattice {
         /// Least distance of neighbouring sites.
         spacing: f64,
-        /// Random displacement over the largest one without contact.
+        /// Random displacement, as a fraction of the largest one without contact.
         jitter: f64,
         /// Height of the lowest layer's underside.
         bottom: f64,
@@ -64,7 +64,7 @@ pub enum BedStart {
         path: PathBuf,
         /// Its format.
         format: BedFormat,
-        /// Added to all positions.
+        /// Offset added to all positions.
         offset: Vector3<f64>,
     },
     /// The end of another run.
@@ -74,27 +74,27 @@ pub enum BedStart {
     },
 }
 
-/// Formats of files that hold a bed.
+/// Formats of files that contain a bed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedFormat {
     /// A table with a header.
     Csv,
-    /// A dump of LAMMPS or LIGGGHTS; its last frame.
+    /// A dump of LAMMPS or LIGGGHTS; its last frame is used.
     Lammps,
 }
 
 impl ParticleSetup {
-    /// The size classes; none if sizes are not in classes.
+    /// The size classes; empty if there are no classes.
     pub fn classes(&self) -> &[SizeClass] {
         self.sizes.as_ref().map_or(&[], SizeDistribution::classes)
     }
 
-    /// Mass of a sphere of this diameter and of the density of the case, rho_s pi d^3 / 6.
+    /// Mass of a sphere of this diameter with the density of the case, rho_s pi d^3 / 6.
     pub fn mass_of(&self, diameter: f64) -> f64 {
         sphere_mass(self.density, diameter)
     }
 
-    /// Mass of a particle: that of its class, or of the density of the case.
+    /// Mass of a particle, with the density of its class, or of the case.
     pub fn mass_of_particle(&self, id: u64, diameter: f64) -> f64 {
         let class = self.class_of_particle(id);
         let density = class.map_or(self.density_of_species(0), |class| self.density_of(class));
@@ -115,7 +115,7 @@ impl ParticleSetup {
         sphere_mass(self.density_of_species(species), self.reference_diameter)
     }
 
-    /// How many species there are.
+    /// Number of species.
     pub fn species_count(&self) -> usize {
         self.species.len().max(1)
     }
@@ -141,8 +141,8 @@ impl ParticleSetup {
         of_species || self.sizes.as_ref().is_some_and(SizeDistribution::has_densities)
     }
 
-    /// Mass and radius of the lightest particle of a species; `smallest` is the least diameter of all particles, which counts
-    /// where sizes are not in classes.
+    /// Mass and radius of the lightest particle of a species; `smallest` is the least diameter of all particles, which
+    /// is used if there are no size classes.
     pub fn lightest_of_species(&self, species: usize, smallest: f64) -> (f64, f64) {
         let of_class = |class: &SizeClass| {
             (sphere_mass(self.density_of(class), class.diameter), 0.5 * class.diameter)
@@ -158,7 +158,7 @@ impl ParticleSetup {
         class.density.unwrap_or(self.density)
     }
 
-    /// Mass over volume of many particles as the case draws them.
+    /// Ratio of mass to volume of many particles drawn by the case.
     pub fn mean_density(&self) -> f64 {
         let sums = self.classes().iter().fold([0.0; 2], |[mass, volume], class| {
             let share = class.fraction * class.diameter.powi(3);
@@ -171,10 +171,11 @@ impl ParticleSetup {
         }
     }
 
-    /// Sum d sum d^3 / (sum d^2)^2 - 1 of the diameters that the case draws: by how much the viscous drag of a packed bed is
-    /// larger if each particle has that of a bed of its own size. `None` if all are of one size, or a file says the sizes.
+    /// Sum d sum d^3 / (sum d^2)^2 - 1 for the diameters drawn by the case: the relative excess of the viscous drag of
+    /// a packed bed if each particle has the drag of a bed of its own size. `None` if all are of one size, or a file
+    /// determines the sizes.
     pub fn drag_excess(&self) -> Option<f64> {
-        /// Particles that are drawn.
+        /// Number of particles that are drawn.
         const SAMPLE: u64 = 2000;
         let sizes = self.sizes.as_ref().filter(|sizes| sizes.bounds()[0] < sizes.bounds()[1])?;
         let diameters = (0..SAMPLE).map(|id| sizes.diameter_of(self.seed, id));
@@ -184,7 +185,7 @@ impl ParticleSetup {
         Some(sums[0] * sums[2] / sums[1].powi(2) - 1.0)
     }
 
-    /// The range that sizes can have; `None` if a file says it.
+    /// The possible range of sizes; `None` if a file determines it.
     pub fn size_range(&self) -> Option<SizeRange> {
         if !matches!(self.start, BedStart::Lattice { .. } | BedStart::Random { .. }) {
             return None;
@@ -203,7 +204,7 @@ pub(super) fn sphere_mass(density: f64, diameter: f64) -> f64 {
     density * PI / 6.0 * diameter * diameter * diameter
 }
 
-/// What the conversion of dimensionless groups needs, as far as it is known.
+/// Scales for the conversion of dimensionless groups, as far as they are known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     pub(super) density: Option<f64>,
@@ -217,13 +218,13 @@ impl Scales {
     }
 }
 
-/// A start, and T of the random velocities.
+/// An initial arrangement, and T of the random velocities.
 struct StartAndTemperature {
     start: Option<BedStart>,
     granular_temperature: f64,
 }
 
-/// `[particles]`, and the scales that other sections need even if this one has errors.
+/// Reads `[particles]`, and the scales that other sections need even if this one has errors.
 pub(super) fn read_particles(
     section: &Section<'_>,
     units: Option<Units>,
@@ -279,7 +280,7 @@ pub(super) fn read_particles(
     (setup(), scales)
 }
 
-/// With several species the case must say which particles are of which.
+/// Requires that the case assigns particles to species if there are several.
 fn require_species(
     section: &Section<'_>,
     species: &SpeciesSections<'_>,

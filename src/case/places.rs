@@ -1,10 +1,10 @@
-//! Where the values of a case stand, for errors that are found after the file was read.
+//! Places of the values of a case, for errors that are found after the file was read.
 
 use super::errors::{CaseError, CaseErrors, SourcePlace, shortened};
 use super::tree::Node;
 use std::collections::BTreeMap;
 
-/// Where each value stands. It is no part of what a case says: any two are equal.
+/// Places of all values. They are not part of the contents of a case: any two are equal.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     file_name: String,
@@ -26,7 +26,7 @@ impl Places {
         places
     }
 
-    /// Sets what errors call the file.
+    /// Sets the name of the file in errors.
     pub(super) fn set_file_name(&mut self, file_name: &str) {
         file_name.clone_into(&mut self.file_name);
     }
@@ -42,7 +42,7 @@ impl Places {
             .for_each(|item| self.add(item));
     }
 
-    /// Errors of keys: each (key, message). A key that the file leaves out is looked for where its section begins.
+    /// Errors of keys: each (key, message). The place of a key that the file leaves out is the start of its section.
     pub fn errors(&self, wrong: impl IntoIterator<Item = (&'static str, String)>) -> CaseErrors {
         let errors = wrong.into_iter().map(|(key, message)| self.error(key, message)).collect();
         CaseErrors { file_name: self.file_name.clone(), errors }

@@ -1,4 +1,4 @@
-//! What a run writes and when, and how it is spread over ranks: nothing that changes its physics.
+//! Results of a run, their times, and its division among ranks: settings that do not change its physics.
 
 use super::context::require_a_step;
 use super::section::Section;
@@ -6,34 +6,34 @@ use crate::domain::RankGrid;
 use crate::state::Balance;
 use std::time::Duration;
 
-/// Intervals of results, in simulated time; `None`: not written.
+/// Intervals of results, in simulated time; `None` for results that are not written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputPlan {
     /// Interval of rows of the series.
     pub series: f64,
     /// Interval of the forces on walls.
     pub walls: Option<f64>,
-    /// Interval of the ledger of energies, which is kept at every step.
+    /// Interval of the energy ledger, which is kept at every step.
     pub energy: Option<f64>,
     /// Interval of profiles.
     pub profiles: Option<f64>,
     /// Interval of snapshots of all particles.
     pub particles: Option<f64>,
-    /// What snapshots show of each particle, beside what they always show.
+    /// Additional columns for each particle in snapshots.
     pub particle_fields: Vec<ParticleField>,
     /// Interval of snapshots of a volume-averaged gas.
     pub gas: Option<f64>,
     /// Whether snapshots hold numbers of 4 bytes.
     pub single_precision: bool,
-    /// How hard snapshots are compressed: from 0, not at all, to 9.
+    /// Level of compression of snapshots: from 0, none, to 9.
     pub compression: u8,
-    /// The measure whose agglomerates snapshots of the particles show.
+    /// The measure whose agglomerates are part of snapshots of the particles.
     pub agglomerates: Option<String>,
-    /// Solids fraction that bounds the bed's bottom and top.
+    /// Solids fraction at the bottom and top of the bed.
     pub bed_threshold: f64,
 }
 
-/// What a snapshot may show of a particle.
+/// A quantity of a particle that a snapshot may contain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParticleField {
     /// Its mass.
@@ -42,13 +42,13 @@ pub enum ParticleField {
     Class,
     /// The number of its species.
     Species,
-    /// All that acts on it.
+    /// The total force on it.
     Force,
-    /// The part of the gas.
+    /// The force of the gas.
     GasForce,
-    /// How many particles it touches.
+    /// Number of particles that it touches.
     Coordination,
-    /// Drag over that of the law, where it follows from agglomerates.
+    /// Ratio of the drag to that of the law, if it depends on agglomerates.
     DragFactor,
 }
 
@@ -64,7 +64,7 @@ impl ParticleField {
     ];
 }
 
-/// When checkpoints are written, besides at the end and on a signal.
+/// Times of checkpoints, besides at the end and on a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckpointPlan {
     /// Interval in simulated time.
@@ -73,27 +73,27 @@ pub struct CheckpointPlan {
     pub every_steps: Option<u64>,
     /// Interval in wall-clock time.
     pub every_wall_clock: Option<Duration>,
-    /// Whether the end of each stage is kept beside them.
+    /// Whether the end of each stage is also kept.
     pub stage_ends: bool,
-    /// How many of the newest are kept.
+    /// Number of newest checkpoints that are kept.
     pub keep: usize,
 }
 
-/// How the box is divided among ranks.
+/// Division of the box among ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RankLayout {
-    /// Slabs along an axis, as many as there are ranks.
+    /// Slabs along an axis, one for each rank.
     Slabs(usize),
     /// A rank grid; the number of ranks must fit.
     Grid(RankGrid),
-    /// The rank grid that shares the work best.
+    /// The rank grid with the best division of the work.
     Cheapest,
 }
 
-/// How a run is spread over ranks; never changes results.
+/// Distribution of a run over ranks; it never changes results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParallelPlan {
-    /// How the box is divided.
+    /// Division of the box.
     pub layout: RankLayout,
     /// Skin of the neighbour lists over the largest diameter, if it is given.
     pub skin: Option<f64>,
@@ -101,7 +101,7 @@ pub struct ParallelPlan {
     pub balance: Option<Balance>,
 }
 
-/// `[output]`, for a run of this time step.
+/// Reads `[output]`, for a run with this time step.
 pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<OutputPlan> {
     let interval = |key| {
         let interval = section.number(key);
@@ -141,7 +141,7 @@ pub(super) fn read_checkpoint(section: &Section<'_>) -> Option<CheckpointPlan> {
     })
 }
 
-/// `[parallel]`, of a run with or without a gas on cells.
+/// Reads `[parallel]`, for a run with or without a gas on cells.
 pub(super) fn read_parallel(section: &Section<'_>, on_cells: bool) -> Option<ParallelPlan> {
     let axes = [("x", 0), ("y", 1), ("z", 2)];
     let layout = if section.has("ranks") {
@@ -155,7 +155,7 @@ pub(super) fn read_parallel(section: &Section<'_>, on_cells: bool) -> Option<Par
     Some(ParallelPlan { layout, skin: section.number("skin"), balance })
 }
 
-/// Load balancing; `Some(None)`: none.
+/// Load balancing; `Some(None)` if it is switched off.
 fn read_balance(section: &Section<'_>, on_cells: bool) -> Option<Option<Balance>> {
     if section.word("balance") == Some("off") {
         return Some(None);

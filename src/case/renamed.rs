@@ -1,4 +1,4 @@
-//! Keys and sections that had another name before.
+//! Former names of keys and sections.
 
 use super::errors::{Problems, SourcePlace};
 use super::schema::ROOT;
@@ -6,12 +6,12 @@ use super::tree::{Node, Value};
 use crate::schema::{Key, Kind, declaration_of};
 use toml::Table;
 
-/// What becomes of a former name.
+/// Treatment of a former name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FormerNames {
-    /// It is an error that names the present one.
+    /// It is an error, which names the present name.
     Reported,
-    /// It is read, unless an override has it: the text is of an earlier run, which nobody can edit.
+    /// It is read, unless it comes from an override: the text is from an earlier run and cannot be edited.
     Read,
 }
 
@@ -25,11 +25,11 @@ pub(super) fn by_present_names(mut root: Node, former: FormerNames, problems: &P
     root
 }
 
-/// What is done with an entry of a former name, and the message about it.
+/// Report on an entry with a former name.
 type Report<'a> = &'a dyn Fn(&Node, String);
 
-/// Reports each entry below a table that has a former name, and gives it the present one: what else is wrong is then found as
-/// well, and nothing is missed that is only misnamed.
+/// Reports each entry below a table that has a former name, and renames it to the present one, so that other errors are
+/// found as well and nothing that is only misnamed is reported as missing.
 fn rename_former(table: &mut Node, keys: &'static [Key], report: Report<'_>) {
     let Value::Table(entries) = &mut table.value else { return };
     for (name, node) in entries {
@@ -62,8 +62,8 @@ pub(super) fn use_present_names(table: &mut Table) {
     rename(table, ROOT, |key| key.name);
 }
 
-/// Gives each key below a table the name that it had first. What identifies a run is made of these names, so that results
-/// stay known when a key is renamed.
+/// Renames each key below a table to its first name. The identity of a run is based on these names, so that results
+/// remain known when a key is renamed.
 pub(crate) fn use_first_names(table: &mut Table) {
     rename(table, ROOT, |key| key.former.last().copied().unwrap_or(key.name));
 }
@@ -108,11 +108,11 @@ mod tests {
         Key::new("list", Kind::Tables(INNER), ""),
         Key::new("named", Kind::Named(INNER), ""),
         Key::new("merged", Kind::Merged(MERGED), ""),
-        // A name that means something else now.
+        // A name that now has another meaning.
         number("taken").formerly(&["list"]),
     ];
 
-    /// What is reported of a text.
+    /// The errors reported for a text.
     fn errors_of(text: &str) -> String {
         let problems = Problems::default();
         let mut tree = Node::parse(text, &problems).unwrap();
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn present_and_unknown_names_are_left_alone() {
-        // The control.
+        // Control.
         let problems = Problems::default();
         let text = "named.old.new = 1\nlist = 1\nodd = 1\nmerged = \"off\"\nsection = 1";
         let mut tree = Node::parse(text, &problems).unwrap();

@@ -5,7 +5,7 @@ use super::tree::Node;
 use crate::numbers::Schedule;
 use std::ops::Range;
 
-/// The schedule of a key: a number, or a table whose times count from the start of the stage that sets it.
+/// The schedule of a key: a number, or a table whose times are counted from the start of the stage that sets it.
 pub(super) fn read_schedule(
     section: &Section<'_>,
     name: &str,
@@ -31,7 +31,7 @@ pub(super) fn read_schedule(
     }
 }
 
-/// When the stage begins that sets a key.
+/// Start of the stage that sets a key.
 pub(super) fn start_of(node: &Node, name: &str, stages: &[Range<f64>]) -> Option<f64> {
     node.get(name).map(|node| stages[node.stage].start)
 }

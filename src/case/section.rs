@@ -8,18 +8,18 @@ use super::wall_time;
 use crate::schema::{self, ActiveKeys, Key, KeyValues, Kind, Required};
 use std::time::Duration;
 
-/// An open section. What is wrong with it has been reported: whatever is missing or wrong reads as `None`.
+/// An open section. Its errors have been reported: missing or wrong values read as `None`.
 pub(super) struct Section<'a> {
     pub(super) node: &'a Node,
     pub(super) problems: &'a Problems,
     keys: ActiveKeys,
 }
 
-/// What stands for a section that the file leaves out.
+/// Contents of a section that the file leaves out.
 static NOTHING: Node = Node::EMPTY;
 
 impl<'a> Section<'a> {
-    /// Checks a node and all below against a table, and opens it.
+    /// Checks a node and everything below it against a table, and opens it.
     pub(super) fn open(
         node: &'a Node,
         keys: &'static [Key],
@@ -36,7 +36,7 @@ impl<'a> Section<'a> {
         Some(section)
     }
 
-    /// Values, and keys that nobody knows or that a chosen word has no use for.
+    /// Checks values, and keys that are unknown or not used by a chosen word.
     fn check_entries(&self) {
         for (name, node) in self.node.entries() {
             if let Some(key) = self.keys.active.iter().find(|key| key.name == name) {
@@ -52,7 +52,7 @@ impl<'a> Section<'a> {
                 }
             }
             match (open, refused) {
-                // It may be right once the word that decides is.
+                // It may be correct once the word that decides is correct.
                 (Some(key), _) => self.check_value(key, node),
                 (None, Some(chosen)) => self.problems.add(node.error(format!(
                     "cannot be given: {} {:?} has no use for it",
@@ -66,7 +66,7 @@ impl<'a> Section<'a> {
     fn check_value(&self, key: &'static Key, node: &'a Node) {
         let kind = &key.kind;
         if let Err(message) = check(kind, node) {
-            // The meaning of a list helps more than its length.
+            // The meaning of a list is more helpful than its length.
             let is_shape =
                 matches!(kind, Kind::Vector(..)) && message.starts_with("must be a list");
             let meaning = if is_shape { format!(" ({})", key.meaning) } else { String::new() };
@@ -98,7 +98,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Keys that are missing, that exclude each other, or that belong to another one.
+    /// Checks for keys that are missing, that exclude each other, or that belong to another one.
     fn check_presence(&self) {
         for key in &self.keys.active {
             match self.has(key.name) {
@@ -141,8 +141,8 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reports that a key is missing unless it or a partner is given, for example because the condition holds under
-    /// which its table requires it.
+    /// Reports that a key is missing unless it or a partner is given, for example because the condition under which its
+    /// table requires it holds.
     pub(super) fn require(&self, name: &'static str) {
         let Some(key) = self.key(name) else { return };
         if self.has(name) || self.has_any(key.partners) {
@@ -175,7 +175,7 @@ impl<'a> Section<'a> {
         );
     }
 
-    /// Notes what stands for a key that is left out, if its table says that this is printed.
+    /// Records the default of a key that is left out, if its table declares it as printed.
     pub(super) fn note_default(&self, name: &'static str) {
         let default = self.key(name).filter(|_| !self.has(name)).and_then(|key| key.default);
         if let Some(schema::Fallback { value, printed: Some(reason) }) = default {
@@ -184,7 +184,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reports an error of a key, at its line or, if it is left out, at that of the section.
+    /// Reports an error of a key, at its line or, if it is left out, at the line of the section.
     pub(super) fn fail(&self, name: &str, message: impl Into<String>) {
         let error = match self.node.get(name) {
             Some(node) => node.error(message),
@@ -215,7 +215,7 @@ impl<'a> Section<'a> {
         names.iter().any(|name| self.has(name))
     }
 
-    /// Which one of several keys is given; `None` if more than one are, or none is.
+    /// The one of several keys that is given; `None` if none is given, or more than one.
     pub(super) fn given(&self, names: &[&'static str]) -> Option<&'static str> {
         let mut given = names.iter().copied().filter(|name| self.has(name));
         let first = given.next();
@@ -228,13 +228,13 @@ impl<'a> Section<'a> {
         key
     }
 
-    /// The value of a key, if it is what the table allows.
+    /// The value of a key, if it is allowed by the table.
     fn right(&self, name: &str) -> Option<&'a Node> {
         let (key, node) = (self.key(name)?, self.node.get(name)?);
         check(&key.kind, node).is_ok().then_some(node)
     }
 
-    /// What stands for a key that is left out.
+    /// Default of a key that is left out.
     fn default(&self, name: &str) -> Option<schema::Value> {
         let key = self.key(name).filter(|_| !self.has(name))?;
         key.default.map(|default| default.value)
@@ -272,7 +272,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// What a chosen word stands for.
+    /// Meaning of a chosen word.
     pub(super) fn choice<T: Clone>(&self, name: &str, meanings: &[(&str, T)]) -> Option<T> {
         let word = self.word(name)?;
         let meaning = meanings.iter().find(|(meant, _)| *meant == word);
@@ -285,7 +285,7 @@ impl<'a> Section<'a> {
         meaning.map(|(_, meaning)| meaning.clone())
     }
 
-    /// What the words of a list stand for.
+    /// Meanings of the words of a list.
     pub(super) fn choices<T: Copy>(&self, name: &str, meanings: &[(&str, T)]) -> Option<Vec<T>> {
         let words = words_of(self.right(name)?)?;
         let meaning = |word: &String| meanings.iter().find(|(meant, _)| meant == word);
@@ -317,7 +317,7 @@ impl<'a> Section<'a> {
         self.right(name)?.as_list(Node::as_number)
     }
 
-    /// So many numbers.
+    /// A given number of numbers.
     pub(super) fn vector<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
         self.numbers(name)?.try_into().ok()
     }
@@ -329,13 +329,13 @@ impl<'a> Section<'a> {
         Some([x, y, z].map(|count: u64| count as usize))
     }
 
-    /// A table, or a section; `None` if something else is written.
+    /// A table, or a section; `None` if the value is of another kind.
     pub(super) fn table(&self, name: &str) -> Option<Section<'a>> {
         let node = self.right(name).filter(|node| matches!(node.value, Value::Table(_)))?;
         Self::open(node, self.key(name)?.kind.keys(), self.problems)
     }
 
-    /// A section that may be left out: then all its keys have their defaults.
+    /// A section that may be left out, in which case all its keys have their defaults.
     pub(super) fn table_or_defaults(&self, name: &str) -> Option<Section<'a>> {
         match self.has(name) {
             true => self.table(name),
@@ -343,7 +343,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The sections of names that the user chose, each with its name.
+    /// The sections whose names the user chose, each with its name.
     pub(super) fn named(&self, name: &str) -> Vec<(&'a str, Section<'a>)> {
         let Some((node, key)) = self.right(name).zip(self.key(name)) else { return Vec::new() };
         let open = |(name, table): &'a (String, Node)| {

@@ -1,5 +1,5 @@
-//! Diameters of particles, and densities where classes differ in them: a number, a list, or a distribution. Drawn by id,
-//! so that they depend on the seed alone.
+//! Diameters of particles, and densities if classes differ in them: a number, a list, or a distribution. Values are
+//! drawn by id, so that they depend only on the seed.
 
 use super::section::Section;
 use super::species::SpeciesSections;
@@ -11,18 +11,18 @@ use rand_chacha::ChaCha8Rng;
 pub struct SizeClass {
     /// Their diameter.
     pub diameter: f64,
-    /// Their part of all particles, by number.
+    /// Their fraction of all particles, by number.
     pub fraction: f64,
-    /// Their density, if it is not that of the case.
+    /// Their density, if it differs from that of the case.
     pub density: Option<f64>,
     /// Number of their species.
     pub species: usize,
 }
 
-/// How diameters are distributed over particles, by number.
+/// Distribution of diameters over particles, by number.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SizeDistribution {
-    /// All the same.
+    /// The same for all particles.
     Single(f64),
     /// A few classes, whose number fractions add up to 1.
     Classes(Vec<SizeClass>),
@@ -33,7 +33,7 @@ pub enum SizeDistribution {
         /// Upper bound.
         largest: f64,
     },
-    /// Normal, drawn again outside the bounds.
+    /// Normally distributed; values outside the bounds are drawn again.
     Normal {
         /// Mean before truncation.
         mean: f64,
@@ -44,7 +44,7 @@ pub enum SizeDistribution {
         /// Upper bound.
         largest: f64,
     },
-    /// ln d is normal, drawn again outside the bounds.
+    /// ln d is normally distributed; values outside the bounds are drawn again.
     LogNormal {
         /// Median before truncation.
         median: f64,
@@ -58,7 +58,7 @@ pub enum SizeDistribution {
 }
 
 impl SizeDistribution {
-    /// Part of a distribution that must lie between its bounds: the rest is drawn again.
+    /// Smallest fraction of a distribution that must lie between its bounds: the rest is drawn again.
     const LEAST_PART: f64 = 0.05;
 
     /// The diameter of a particle.
@@ -89,7 +89,7 @@ impl SizeDistribution {
         }
     }
 
-    /// The class of a particle; `None` if sizes are not in classes.
+    /// The class of a particle; `None` if there are no classes.
     pub fn class_of(&self, seed: u64, id: u64) -> Option<&SizeClass> {
         match self {
             Self::Classes(classes) => Some(drawn(classes, &mut random_of(seed, id, "diameter"))),
@@ -97,7 +97,7 @@ impl SizeDistribution {
         }
     }
 
-    /// The classes; none if sizes are not in classes.
+    /// The classes; empty if there are none.
     pub fn classes(&self) -> &[SizeClass] {
         match self {
             Self::Classes(classes) => classes,
@@ -129,7 +129,7 @@ impl SizeDistribution {
         !matches!(self, Self::Single(_))
     }
 
-    /// Part of the distribution, before truncation, between its bounds.
+    /// Fraction of the distribution, before truncation, between its bounds.
     fn part_within_bounds(&self) -> f64 {
         let below = |x: f64| 0.5 * (1.0 + libm::erf(x / std::f64::consts::SQRT_2));
         match self {
@@ -145,7 +145,7 @@ impl SizeDistribution {
     }
 }
 
-/// The key `diameter`, if it is given and right.
+/// Reads the key `diameter`; `None` if it is missing or wrong.
 pub(super) fn read_diameter(
     section: &Section<'_>,
     species: &SpeciesSections<'_>,
@@ -184,7 +184,7 @@ fn read_distribution(section: &Section<'_>) -> Option<SizeDistribution> {
     })
 }
 
-/// Whether enough of a distribution lies between its bounds; if not, that is reported.
+/// Whether a sufficient fraction of a distribution lies between its bounds; an error is reported if not.
 fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool {
     let part = distribution.part_within_bounds();
     let least = SizeDistribution::LEAST_PART;
@@ -229,11 +229,11 @@ fn read_classes(section: &Section<'_>, species: &SpeciesSections<'_>) -> Option<
 struct SpeciesOfClass {
     /// Its number.
     species: usize,
-    /// Its density, if it has one of its own.
+    /// Its density, if it has its own.
     density: Option<f64>,
 }
 
-/// The species of each class; none if the file does not say them.
+/// The species of each class; `None` if the file does not give them.
 fn read_species(section: &Section<'_>, all: &SpeciesSections<'_>) -> Option<Vec<SpeciesOfClass>> {
     const KEY: &str = "species";
     if !section.has(KEY) {
@@ -255,14 +255,14 @@ fn read_species(section: &Section<'_>, all: &SpeciesSections<'_>) -> Option<Vec<
     Some(read)
 }
 
-/// One of some classes, as often as its fraction says.
+/// A random class, with its fraction as probability.
 fn drawn<'c>(classes: &'c [SizeClass], generator: &mut ChaCha8Rng) -> &'c SizeClass {
     let mut rest = uniform(generator);
     let class = classes.iter().find(|class| {
         rest -= class.fraction;
         rest < 0.0
     });
-    // Rounding may leave a rest.
+    // Rounding may leave a remainder.
     class.unwrap_or(&classes[classes.len() - 1])
 }
 

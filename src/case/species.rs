@@ -1,4 +1,4 @@
-//! The species of a bed, and what the file says about their contacts and attraction.
+//! The species of a bed, and the keys for their contacts and attraction.
 
 use super::merging::merge;
 use super::mixing::{mixed, with_changes};
@@ -8,16 +8,16 @@ use super::tree::{Node, Value};
 use crate::contact::{ByPair, BySpecies};
 use crate::schema::Key;
 
-/// A species as the case names it.
+/// A species named in the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Species {
     /// Its name.
     pub name: String,
-    /// Its solid density, if it is not that of the case.
+    /// Its solid density, if it differs from that of the case.
     pub density: Option<f64>,
 }
 
-/// The species, with the nodes that say what differs.
+/// The species, with the nodes that contain their differences.
 pub(super) struct SpeciesSections<'a> {
     pub(super) species: Vec<Species>,
     nodes: Vec<&'a Node>,
@@ -29,7 +29,7 @@ pub(super) struct SpeciesSections<'a> {
 pub(super) struct SharedSection<'a> {
     pub(super) name: &'static str,
     pub(super) keys: &'static [Key],
-    /// What holds for all.
+    /// The values for all species.
     pub(super) base: &'a Node,
 }
 
@@ -81,12 +81,12 @@ impl<'a> SpeciesSections<'a> {
         }
     }
 
-    /// Number of the species of a name.
+    /// Number of the species with a name.
     pub(super) fn number_of(&self, name: &str) -> Option<usize> {
         self.species.iter().position(|species| species.name == name)
     }
 
-    /// The message that a name is that of no species.
+    /// The message that a name is not that of a species.
     pub(super) fn unknown(&self, name: &str) -> String {
         let names: Vec<&str> = self.species.iter().map(|species| species.name.as_str()).collect();
         match nearest(name, &names) {
@@ -96,7 +96,7 @@ impl<'a> SpeciesSections<'a> {
         }
     }
 
-    /// A section as it is for each species; as it is if there are none.
+    /// A section for each species; the section itself if there are no species.
     pub(super) fn section_of_each(&self, shared: SharedSection<'_>) -> Vec<Node> {
         let SharedSection { name, keys, base } = shared;
         match self.nodes.is_empty() {
@@ -108,7 +108,7 @@ impl<'a> SpeciesSections<'a> {
         }
     }
 
-    /// What is said of each species at walls.
+    /// The keys of a species for walls.
     pub(super) fn at_walls(&self, species: usize) -> Option<&'a Node> {
         self.nodes.get(species)?.get("wall")
     }
@@ -154,13 +154,13 @@ impl<'a> SpeciesSections<'a> {
         &self,
         value: impl FnMut(usize) -> Option<T>,
     ) -> Option<BySpecies<T>> {
-        // All of them are evaluated, for the sake of all errors.
+        // All of them are evaluated, so that all errors are reported.
         let values: Vec<Option<T>> = (0..self.species.len().max(1)).map(value).collect();
         BySpecies::of_species(values.into_iter().collect::<Option<_>>()?)
     }
 }
 
-/// What is said of the attraction has no meaning in a file without it.
+/// Rejects keys on the attraction in a file without attraction.
 fn require_cohesion(root: &Section<'_>, node: &Node, name: &str) {
     let of_stages = root.node.get("stage").map(Node::items).unwrap_or_default();
     let is_there =

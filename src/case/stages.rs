@@ -17,13 +17,13 @@ use crate::gas::GasModel;
 use crate::state::Physics;
 use std::ops::Range;
 
-/// Stages as far as their own keys say them.
+/// Stages, as far as they are determined by their own keys.
 struct Timetable {
     names: Vec<Option<String>>,
     times: Vec<Range<f64>>,
 }
 
-/// `[time]`, `[[stage]]` and the sections of what acts on particles. Also returns the time step.
+/// Reads `[time]`, `[[stage]]` and the sections of the models that act on particles. Also returns the time step.
 pub(super) fn read_stages(
     root: &Section<'_>,
     context: ReadContext<'_>,
@@ -55,14 +55,14 @@ pub(super) fn read_stages(
             Some(Stage { name: name.clone()?, start, end, physics })
         }));
     }
-    // Also a section that no stage switches on must be right.
+    // A section that no stage switches on must also be correct.
     if StageSection::switch_on_unused(&mut sections) {
         read_physics(&sections, root, context, step);
     }
     (stages.into_iter().collect(), step)
 }
 
-/// `[time]`: step and end.
+/// Reads `[time]`: step and end.
 fn read_time(root: &Section<'_>) -> (Option<f64>, Option<f64>) {
     let Some(section) = root.table("time") else { return (None, None) };
     let (step, end) = (section.number("step"), section.number("end"));
@@ -100,7 +100,7 @@ fn timetable(sections: &[Section<'_>], step: Option<f64>) -> Timetable {
     Timetable { names, times }
 }
 
-/// What acts in a stage.
+/// The models that act in a stage.
 fn read_physics(
     sections: &[StageSection],
     root: &Section<'_>,
@@ -125,7 +125,7 @@ fn read_physics(
     let cohesion = cohesion_section.map(|section| read_attraction(&section, models, context));
     let gas = open("gas").map(|section| read_gas(&section, context));
     let magnitude = magnitude?;
-    // A section that is there but wrong leaves no stage.
+    // A section that exists but is wrong invalidates the stage.
     let (vibration, cohesion) = (all_or_none(vibration)?, all_or_none(cohesion)?);
     let contact = contact?;
     Some(Physics {
@@ -139,7 +139,7 @@ fn read_physics(
     })
 }
 
-/// `[cohesion]` for all pairs of species, softened as their contacts are.
+/// Reads `[cohesion]` for all pairs of species, softened like their contacts.
 fn read_attraction(
     section: &Section<'_>,
     models: Option<&ByPair<ContactModel>>,

@@ -1,4 +1,4 @@
-//! What may have been meant by a word that nobody knows.
+//! Suggestions for unknown words.
 
 /// The candidate that differs least from a word, if any is near.
 pub(super) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {

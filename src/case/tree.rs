@@ -1,27 +1,27 @@
-//! The case file as a tree of values that know their line and their path.
+//! The case file as a tree of values with their lines and paths.
 
 use super::errors::{CaseError, Problems, SourcePlace};
 use std::fmt;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and where it stands.
+/// A value and its place.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// What it is.
+    /// The value.
     pub(super) value: Value,
-    /// Where its key stands.
+    /// Place of its key.
     pub(super) place: SourcePlace,
     /// Path of keys; members of a list by number from 1, as in `stage.2.gas.viscosity`.
     pub(super) path: String,
-    /// Number of the stage that sets it; 0 for the base of the file too.
+    /// Number of the stage that sets it; 0 also for the base of the file.
     pub(super) stage: usize,
 }
 
-/// What may stand in a case file.
+/// Kinds of values in a case file.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
-    /// A text in quotes, or a date, which no key asks for.
+    /// A text in quotes, or a date, which no key accepts.
     Text(String),
     /// A whole number.
     Integer(i64),
@@ -44,10 +44,10 @@ pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     (line, column)
 }
 
-/// What is wrong with a file of other bytes.
+/// The error of a file with other bytes.
 pub(super) const NOT_UTF8: &str = "is not a text in UTF-8";
 
-/// The text of a file; an error is the first line, from 1, that is no text.
+/// The text of a file; the error is the number of the first line, from 1, that is not text.
 pub(super) fn utf8_text(bytes: Vec<u8>) -> Result<String, usize> {
     String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
@@ -76,7 +76,7 @@ fn most_nested_line(text: &str) -> usize {
 }
 
 impl Node {
-    /// The tree of a text; errors of syntax go to `problems`, all of them.
+    /// Parses the tree of a text; all syntax errors are added to `problems`.
     pub(super) fn parse(text: &str, problems: &Problems) -> Option<Self> {
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
@@ -114,7 +114,7 @@ impl Node {
         }
     }
 
-    /// The text, if it is one.
+    /// The text, if the value is one.
     pub(super) fn as_text(&self) -> Option<&str> {
         match &self.value {
             Value::Text(text) => Some(text),
@@ -122,7 +122,7 @@ impl Node {
         }
     }
 
-    /// The number, if it is one.
+    /// The number, if the value is one.
     pub(super) fn as_number(&self) -> Option<f64> {
         match &self.value {
             Value::Integer(number) => Some(*number as f64),
@@ -131,7 +131,7 @@ impl Node {
         }
     }
 
-    /// The whole number, if it is one and not negative.
+    /// The whole number, if the value is one and not negative.
     pub(super) fn as_count(&self) -> Option<u64> {
         match &self.value {
             Value::Integer(number) => u64::try_from(*number).ok(),
@@ -139,7 +139,7 @@ impl Node {
         }
     }
 
-    /// True or false, if it is one of them.
+    /// True or false, if the value is one of them.
     pub(super) fn as_boolean(&self) -> Option<bool> {
         match &self.value {
             Value::Boolean(truth) => Some(*truth),
@@ -147,7 +147,7 @@ impl Node {
         }
     }
 
-    /// The members of a list, if it is one and each of them is of a kind.
+    /// The members of a list, if the value is a list and each member is of a given kind.
     pub(super) fn as_list<T>(&self, member: impl Fn(&Node) -> Option<T>) -> Option<Vec<T>> {
         match &self.value {
             Value::List(items) => items.iter().map(member).collect(),
@@ -155,7 +155,7 @@ impl Node {
         }
     }
 
-    /// The members of a table; none if it is none.
+    /// The members of a table; empty if the value is not a table.
     pub(super) fn entries(&self) -> &[(String, Node)] {
         match &self.value {
             Value::Table(entries) => entries,
@@ -163,7 +163,7 @@ impl Node {
         }
     }
 
-    /// The members of a list; none if it is none.
+    /// The members of a list; empty if the value is not a list.
     pub(super) fn items(&self) -> &[Node] {
         match &self.value {
             Value::List(items) => items,
@@ -218,7 +218,7 @@ impl fmt::Display for Node {
     }
 }
 
-/// Where each line of a text begins.
+/// Start of each line of a text.
 struct Lines(Vec<usize>);
 
 impl Lines {

@@ -1,4 +1,4 @@
-//! A volume-averaged gas, from its keys.
+//! The volume-averaged gas, from its keys.
 
 use super::boxes::AXES;
 use super::context::ReadContext;
@@ -69,7 +69,7 @@ pub(super) fn read_volume_averaged(
     Some(VolumeAveragedModel { grid, column, gas, coupling, substeps, driving })
 }
 
-/// `agglomerates`, and what cannot stand beside it; `Some(None)` without.
+/// Reads `agglomerates`, and rejects keys that it excludes; `Some(None)` if it is not given.
 fn read_agglomerates(section: &Section<'_>) -> Option<Option<AgglomerateDrag>> {
     if !section.has("agglomerates") {
         return Some(None);
@@ -134,7 +134,7 @@ fn fit_profile(boundary: &mut Boundary, column: &RoundColumn) {
     }
 }
 
-/// What goes with inlets and outlets.
+/// Settings of inlets and outlets.
 struct Openings {
     velocity: Option<Schedule>,
     profile: Profile,
@@ -149,7 +149,7 @@ struct JetOpening {
     width: [f64; 2],
 }
 
-/// What happens at the faces: `x`, `y`, `z`, and the keys that go with inlets and outlets.
+/// Boundary conditions at the faces: `x`, `y`, `z`, and the keys of inlets and outlets.
 fn read_boundaries(
     section: &Section<'_>,
     grid: Option<&BoxGrid>,
@@ -199,7 +199,7 @@ fn read_boundaries(
     is_complete.then_some(boundaries)
 }
 
-/// The words of two faces.
+/// The words for two faces.
 fn read_faces<'a>(section: &Section<'a>, name: &str) -> Option<[&'a str; 2]> {
     match section.table(name) {
         Some(sides) => Some([sides.word("lower")?, sides.word("upper")?]),
@@ -217,7 +217,7 @@ fn read_profile(section: &Section<'_>) -> Profile {
     }
 }
 
-/// `inlet_jet`.
+/// Reads `inlet_jet`.
 fn read_jet(table: &Section<'_>, context: ReadContext<'_>) -> Option<JetOpening> {
     let pair = |name| -> Option<[f64; 2]> { table.numbers(name)?.try_into().ok() };
     let velocity = read_schedule(table, "velocity", context.times)?;
@@ -225,7 +225,7 @@ fn read_jet(table: &Section<'_>, context: ReadContext<'_>) -> Option<JetOpening>
 }
 
 impl JetOpening {
-    /// The jet in a face across an axis; it lies in the face, as a whole.
+    /// The jet in a face across an axis; it must lie completely in the face.
     fn on(&self, section: &Section<'_>, grid: &BoxGrid, axis: usize) -> Option<Jet> {
         let axes = across(axis);
         let [first, second] = [0, 1].map(|place| {
@@ -248,7 +248,7 @@ impl JetOpening {
     }
 }
 
-/// The part of each of the cells along an axis that a range covers.
+/// The fraction of each of the cells along an axis that a range covers.
 fn covered_parts([begin, end]: [f64; 2], spacing: f64, cells: usize) -> Vec<f64> {
     let part = |cell: usize| {
         let (lower, upper) = (cell as f64 * spacing, (cell + 1) as f64 * spacing);
@@ -277,12 +277,12 @@ mod tests {
 
     #[test]
     fn cells_that_a_jet_covers_in_part_have_that_part_of_it() {
-        // Widths that binary fractions hold.
+        // Widths that are exact binary fractions.
         assert_eq!(covered_parts([0.25, 2.5], 1.0, 4), [0.75, 1.0, 0.5, 0.0]);
         assert_eq!(covered_parts([1.25, 1.5], 1.0, 3), [0.0, 0.25, 0.0]);
     }
 
-    /// Whatever the cells, the flux is that of the jet and of the rest of the face.
+    /// For any cells, the flux is that of the jet and of the rest of the face.
     #[test]
     fn the_flux_of_a_jet_does_not_depend_on_the_cells() {
         let text =

@@ -1,11 +1,11 @@
-//! Spans of wall-clock time as people write them.
+//! Spans of wall-clock time in the usual notation.
 
 use std::time::Duration;
 
-/// What a span of time must look like.
+/// Form of a span of time.
 pub(super) const ALLOWED: &str = "a time such as \"45s\", \"10m\", \"3h50m\" or \"1d12h\", above 0";
 
-/// The span that a text such as `3h50m` means.
+/// The span given by a text such as `3h50m`.
 pub(super) fn parse(text: &str) -> Option<Duration> {
     let (mut seconds, mut digits, mut largest) = (0_u64, String::new(), u64::MAX);
     for character in text.trim().chars() {

@@ -1,4 +1,4 @@
-//! The walls: in faces of the box, and the case's own.
+//! The walls: those in faces of the box, and those of the case.
 
 use super::boxes::{AXES, read_bounds};
 use super::errors::Problems;
@@ -34,7 +34,7 @@ pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
     Some(Domain { bounds, walls: all })
 }
 
-/// What the case says about the contacts of each wall, in the order of the walls.
+/// The keys for the contacts of each wall, in the order of the walls.
 pub(super) fn contacts_of<'a>(root: &'a Node, domain: &Domain) -> Vec<Option<&'a Node>> {
     let entries = root.get("wall").map(Node::items).unwrap_or_default();
     let is_of = |entry: &Node, wall: &Wall| {
@@ -52,7 +52,7 @@ pub(super) fn contacts_of<'a>(root: &'a Node, domain: &Domain) -> Vec<Option<&'a
 enum Entry {
     /// A wall of the box: its motion.
     Face { face: BoxFace, motion: WallMotion },
-    /// A wall of the case's own.
+    /// A wall of the case.
     Own(Wall),
 }
 
@@ -88,7 +88,7 @@ fn read_cylinder(section: &Section<'_>) -> Option<WallShape> {
     Some(WallShape::Cylinder { centre: Vector3::new(x, y, 0.0), radius: section.number("radius")? })
 }
 
-/// Velocity, oscillation, and when.
+/// Velocity, oscillation, and times of the motion.
 fn read_motion(section: &Section<'_>) -> Option<WallMotion> {
     let vector = |name| section.vector(name).map(Vector3::from).unwrap_or_default();
     let frequency = match section.has("amplitude") {
@@ -130,7 +130,7 @@ fn move_face(
     wall.motion = motion;
 }
 
-/// Where the box repeats, walls must repeat with it.
+/// Checks that walls are periodic where the box is.
 fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems) {
     let across = (0..3).filter(|&axis| bounds.is_periodic(axis)).find(|&axis| match wall.shape {
         WallShape::Plane { normal, .. } => normal[axis] != 0.0,
@@ -147,7 +147,7 @@ fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems
     }));
 }
 
-/// What is wrong with walls for particles of this smallest diameter and for the gas: (key, message).
+/// Errors of walls for particles with this smallest diameter and for the gas: (key, message).
 pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static str, String)> {
     let mut wrong = Vec::new();
     let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.physics.time_step);

@@ -1,8 +1,8 @@
-//! A checksum trailer: a hash over the bytes of a file, at its end. The HDF5 library is shown no byte that was not
-//! written, since it may crash on damaged files.
+//! A checksum trailer: a hash over the bytes of a file, at its end. The HDF5 library must not read bytes that were not
+//! written by Talcum, since it may crash on damaged files.
 //!
-//! HDF5 ignores what follows its data, so that a file with a trailer is still an HDF5 file. The bytes are hashed in
-//! blocks, by all ranks together.
+//! HDF5 ignores bytes after its data, so a file with a trailer is still an HDF5 file. The bytes are hashed in blocks,
+//! by all ranks together.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -13,12 +13,12 @@ use xxhash_rust::xxh3::xxh3_128;
 use super::{OutputError, agreed, on_root};
 use crate::parallel::Communicator;
 
-/// How checksums are made, or were.
+/// Kind of checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// BLAKE3, 256 bits: older files.
     First,
-    /// XXH3, 128 bits in the canonical order of bytes: sees damage as surely, and at the speed of memory.
+    /// XXH3, 128 bits in the canonical order of bytes: detects damage as reliably, at the speed of memory.
     Second,
 }
 
@@ -46,18 +46,18 @@ impl Kind {
     }
 }
 
-/// What a trailer says: the length of what it covers, and its hash.
+/// Contents of a trailer: the length of the covered bytes, and their hash.
 struct Trailer {
     kind: Kind,
     length: u64,
     hash: Vec<u8>,
 }
 
-/// Mark and length of what is covered, before the hash.
+/// Length of the trailer before the hash: the mark, and the length of the covered bytes.
 const HEAD_LENGTH: usize = 16 + 8;
-/// The longest trailer.
+/// Length of the longest trailer.
 const LONGEST: u64 = (HEAD_LENGTH + Kind::First.hash_length()) as u64;
-/// Bytes that are hashed as one.
+/// Number of bytes that are hashed as one block.
 const BLOCK: u64 = 1 << 22;
 /// First bytes of an HDF5 file.
 const HDF5_SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
@@ -67,7 +67,7 @@ impl Trailer {
         [&self.kind.mark()[..], &self.length.to_le_bytes(), &self.hash].concat()
     }
 
-    /// The trailer at the end of a file, of which the last bytes are known and the length.
+    /// The trailer at the end of a file, given its last bytes and its length.
     fn at_end(bytes: &[u8], file_length: u64) -> Option<Self> {
         [Kind::First, Kind::Second].into_iter().find_map(|kind| {
             let from = bytes.len().checked_sub(HEAD_LENGTH + kind.hash_length())?;
@@ -79,7 +79,7 @@ impl Trailer {
     }
 }
 
-/// Appends the trailer to a closed file and brings it to the disk. Collective.
+/// Appends the trailer to a closed file and syncs it to the disk. Collective.
 pub(super) fn append(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
     append_kind(Kind::Second, path, ranks)
 }
@@ -100,10 +100,10 @@ fn append_kind(kind: Kind, path: &Path, ranks: &dyn Communicator) -> Result<(), 
     agreed(path, synced.map_err(|error| error.to_string()), ranks)
 }
 
-/// Why a file is refused. The same on all ranks.
+/// Reason why a file is rejected; it is equal on all ranks.
 #[derive(Debug)]
 pub(super) enum Refusal {
-    /// It cannot be read now; nothing is wrong with it as far as is known.
+    /// It cannot be read at present; the file itself may be intact.
     Unreadable(OutputError),
     /// It is damaged, or not such a file.
     Damaged(OutputError),
@@ -117,7 +117,7 @@ impl From<Refusal> for OutputError {
     }
 }
 
-/// Refuses a file that is not, byte for byte, what its trailer covers. Collective.
+/// Rejects a file whose bytes do not agree with its trailer. Collective.
 pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), Refusal> {
     let trailer = read_trailer(path);
     let is_unreadable = ranks.any(matches!(trailer, Err(Flaw::Unreadable(_))));
@@ -130,7 +130,7 @@ pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), Refusal
         .map_err(Refusal::Damaged)
 }
 
-/// What one rank finds wrong with a file.
+/// A fault of a file found by one rank.
 enum Flaw {
     Unreadable(String),
     Damaged(String),
@@ -153,7 +153,7 @@ impl From<String> for Flaw {
 fn read_trailer(path: &Path) -> Result<Trailer, Flaw> {
     let unopened = |error: std::io::Error| Flaw::Unreadable(format!("cannot be opened: {error}"));
     let unreadable = |error: std::io::Error| Flaw::Unreadable(format!("cannot be read: {error}"));
-    // Before it is opened: opening a pipe waits for its other end.
+    // This is done before it is opened: opening a pipe waits for its other end.
     let metadata = std::fs::metadata(path).map_err(unopened)?;
     if !metadata.is_file() {
         return Err("this is not a file".to_owned().into());
@@ -187,8 +187,8 @@ fn read_trailer(path: &Path) -> Result<Trailer, Flaw> {
     }
 }
 
-/// The number of bytes that the head of an HDF5 file says it has ("end of file address" of its
-/// superblock, HDF5 File Format Specification 3.0 section II.A, with addresses of eight bytes).
+/// The number of bytes given in the head of an HDF5 file ("end of file address" of its superblock, HDF5 File Format
+/// Specification 3.0 section II.A, with addresses of eight bytes).
 fn promised_length(start: &[u8]) -> Option<u64> {
     let at = match start.get(8)? {
         0 => 40,
@@ -198,7 +198,7 @@ fn promised_length(start: &[u8]) -> Option<u64> {
     Some(u64::from_le_bytes(start.get(at..at + 8)?.try_into().ok()?))
 }
 
-/// Hash of the first `length` bytes: of the hashes of their blocks. Collective.
+/// Hash of the first `length` bytes: the hash of the hashes of their blocks. Collective.
 fn hash_of(
     kind: Kind,
     path: &Path,
@@ -220,7 +220,7 @@ fn hash_of(
     Ok(bytes)
 }
 
-/// Hashes of this rank's blocks: every one of as many as there are ranks, from its own number on.
+/// Hashes of this rank's blocks: those whose numbers differ from its own by multiples of the number of ranks.
 fn own_hashes(
     kind: Kind,
     path: &Path,

@@ -1,8 +1,8 @@
 //! Contacts at chosen times for ParaView, as lines from centre to centre: temporal PolyData of VTKHDF 2.0.
 //!
-//! One partition for each time, lines sorted by the ids of their ends, two points for each line: a contact through a
-//! periodic face is drawn to the image that is touched. Rows are written first, by all ranks, then what makes them a time
-//! step, by rank 0.
+//! There is one partition for each time; lines are sorted by the ids of their ends, with two points for each line: a
+//! contact through a periodic face is drawn to the image that is touched. Rows are written first, by all ranks; then
+//! rank 0 writes the data that make them a time step.
 
 use std::path::{Path, PathBuf};
 
@@ -13,13 +13,13 @@ use super::{ColumnUnits, Head, MessageResult, OutputError, metadata_copy, on_roo
 use crate::measures::ContactLine;
 use crate::parallel::{Communicator, SortedRows, sort_by_id};
 
-/// The kinds of cells that PolyData may have; ours are lines, but the groups of all must be there.
+/// The kinds of cells that PolyData may have; ours are lines, but the groups of all kinds must exist.
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
-/// Integers of a line.
+/// Integer columns of a line.
 const IDS: [&str; 2] = ["lower", "higher"];
-/// Rows of lines that are stored as one piece.
+/// Number of rows of lines that are stored in one chunk.
 const LINE_PIECE: usize = 4096;
-/// Rows of steps that are stored as one piece.
+/// Number of rows of steps that are stored in one chunk.
 const STEP_PIECE: usize = 256;
 
 /// A column of numbers of a line.
@@ -69,7 +69,7 @@ const NUMBERS: [LineColumn; 5] = [
     },
 ];
 
-/// How much the file holds.
+/// Numbers of steps and lines in the file.
 #[derive(Clone, Copy, Debug, Default)]
 struct Extent {
     steps: u64,
@@ -148,7 +148,7 @@ impl ContactLines {
             }
             Ok(kept)
         })?;
-        // Rank 0 alone has counted: the sum is known to all ranks.
+        // Only rank 0 has counted: the sum makes the result known to all ranks.
         let found = found.unwrap_or_default();
         let mut counts = [found.steps as i64, found.lines as i64];
         ranks.sum_integers(&mut counts);
@@ -175,7 +175,7 @@ impl ContactLines {
         Ok(())
     }
 
-    /// Makes safe what was written. Collective.
+    /// Secures the written data. Collective.
     pub(super) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         metadata_copy::commit_on_root(&self.path, &bulk(), ranks)
     }
@@ -268,7 +268,7 @@ fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()>
     Ok(())
 }
 
-/// Makes the lines that were added after an extent a time step.
+/// Turns the lines that were added after an extent into a time step.
 fn append_step(path: &Path, time: f64, before: Extent, added: u64) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     file.append("/VTKHDF/Steps/Values", &[time])?;
@@ -293,8 +293,8 @@ fn append_step(path: &Path, time: f64, before: Extent, added: u64) -> MessageRes
     file.close()
 }
 
-/// Drops the lines after a time; returns what is kept. If that is nothing, the file is as it was: a new one takes its
-/// place.
+/// Drops the lines after a time; returns the extent that is kept. If it is empty, the file is unchanged: a new one
+/// replaces it.
 fn cut_after(path: &Path, time: f64, found_length: u64) -> Result<Extent, Obstacle> {
     metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let kept = extent_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;

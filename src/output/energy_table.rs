@@ -1,4 +1,4 @@
-//! The ledger of energies over time: `energy.csv`.
+//! The energy ledger over time: `energy.csv`.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::state::{EnergyRow, Mechanism};
 pub struct EnergyTable(TextTable);
 
 impl EnergyTable {
-    /// In the list of outputs.
+    /// Entry in the list of outputs.
     pub const KIND: OutputKind =
         OutputKind { file_name: "energy.csv", needs_momentum_before: false, open: Self::open };
 

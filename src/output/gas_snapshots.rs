@@ -1,6 +1,6 @@
 //! The gas at chosen times for ParaView: `gas.vtkhdf`, temporal ImageData of VTKHDF 2.0.
 //!
-//! Rank 0 writes what the others send: fields are small beside the particles.
+//! Rank 0 writes the data sent by the others: fields are small compared with the particles.
 
 use std::path::{Path, PathBuf};
 use std::slice::from_ref;
@@ -27,19 +27,19 @@ const FIELDS: [SampledField; 4] = [
     SampledField { name: "voidage", components: 1, of: |cell| from_ref(&cell.voidage) },
     SampledField { name: "solids_velocity", components: 3, of: |cell| &cell.solids_velocity },
 ];
-/// The file of snapshots of the gas. Their records hold pressure, velocity of the gas, voidage and velocity of
-/// the solids.
+/// The file of snapshots of the gas. Its records contain pressure, velocity of the gas, voidage and velocity of the
+/// solids.
 #[derive(Clone, Debug)]
 pub struct GasSnapshots {
     path: PathBuf,
 }
 
 impl GasSnapshots {
-    /// In the list of outputs.
+    /// Entry in the list of outputs.
     pub const KIND: OutputKind =
         OutputKind { file_name: "gas.vtkhdf", needs_momentum_before: false, open: Self::open };
 
-    /// Nothing for a case without a volume-averaged gas.
+    /// Opens the file; nothing for a case without a volume-averaged gas.
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
         let Some(grid) = opening.gas_grid else { return Ok(None) };
         let storage = opening.snapshots.storage;
@@ -50,7 +50,7 @@ impl GasSnapshots {
         Ok(Some(Box::new(snapshots)))
     }
 
-    /// Begins a file, in the place of one that is there. Collective.
+    /// Begins a file, replacing any existing one. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -64,8 +64,8 @@ impl GasSnapshots {
         Ok(Self { path: path.to_owned() })
     }
 
-    /// Continues a file as it was last committed, after the snapshots up to and including `time`; later ones are
-    /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
+    /// Continues a file in its last committed state, after the snapshots up to and including `time`; later ones are
+    /// dropped. A file that cannot be read is set aside with a warning, and a new one is begun. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -89,7 +89,7 @@ impl GasSnapshots {
         Ok(Self { path: path.to_owned() })
     }
 
-    /// Adds the gas at a time: all ranks' cells, in any order. Collective.
+    /// Adds the gas at a time: the cells of all ranks, in any order. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.

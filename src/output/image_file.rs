@@ -1,7 +1,7 @@
 //! Fields on equal cells at chosen times for ParaView: temporal ImageData of VTKHDF 2.0, written by rank 0.
 //!
-//! Cell data of shape (times, z, y, x), components last. Data are written first, then what makes them a time step; the
-//! file is closed after each, so that a kill between two steps leaves a whole file.
+//! Cell data have the shape (times, z, y, x), components last. Data are written first, then the entries that make them
+//! a time step; the file is closed after each step, so that a kill between two steps leaves an intact file.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use super::output_file::{Obstacle, rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{Head, MessageResult, SnapshotStorage, metadata_copy};
 
-/// Rows of steps that are stored as one piece.
+/// Number of rows of steps that are stored in one chunk.
 const STEP_PIECE: usize = 256;
 
 /// A field of an image.
@@ -111,7 +111,7 @@ fn make_tables(
     file.make_table::<f64>(&times, Rows::Growing(STEP_PIECE))
 }
 
-/// Adds the fields at a time: the numbers of each, cell by cell.
+/// Adds the fields at a time: the values of each field, cell by cell.
 pub(super) fn append<'a>(
     path: &Path,
     time: f64,
@@ -128,8 +128,8 @@ pub(super) fn append<'a>(
     file.close()
 }
 
-/// Drops the snapshots after a time; returns how many are left. If none are, the file is as it was: a new one takes its
-/// place.
+/// Drops the snapshots after a time; returns how many are left. If none are left, the file is unchanged: a new one
+/// replaces it.
 pub(super) fn cut_after(
     path: &Path,
     time: f64,

@@ -1,4 +1,4 @@
-//! Locks on files: held by a process, and gone with it however it ends.
+//! Locks on files: they are held by a process, and released when it ends in any way.
 
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
@@ -7,18 +7,18 @@ use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::Path;
 
-/// Who may hold a lock beside us.
+/// Other processes that may hold the lock at the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sharing {
-    /// Nobody.
+    /// None.
     Exclusive,
-    /// Others who share it.
+    /// Others that share it.
     Shared,
 }
 
-/// Takes a lock if it is free; `None` if somebody else holds it.
+/// Takes a lock if it is free; `None` if another process holds it.
 ///
-/// A child process that is given the file keeps the lock for as long as it lives.
+/// A child process that inherits the file keeps the lock for as long as it lives.
 ///
 /// # Errors
 /// If the file cannot be made, or the file system has no locks.
@@ -55,7 +55,7 @@ fn open(path: &Path) -> Result<File, String> {
     file.map_err(|error| format!("{} cannot be opened: {error}", path.display()))
 }
 
-/// Writes into a locked file who holds it.
+/// Writes the name of the holder into a locked file.
 pub(crate) fn sign(mut file: &File) {
     let host = host_name();
     let since = super::provenance::date(std::time::SystemTime::now());
@@ -65,7 +65,7 @@ pub(crate) fn sign(mut file: &File) {
         file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text.as_bytes()));
 }
 
-/// Who signed a locked file.
+/// The process that signed a locked file.
 pub(crate) fn holder(path: &Path) -> String {
     match super::read_text(path) {
         Ok(text) if !text.trim().is_empty() => text.trim().to_owned(),
@@ -73,11 +73,11 @@ pub(crate) fn holder(path: &Path) -> String {
     }
 }
 
-/// Whether the process of a signature still exists; `None` if that cannot be found out on this host.
+/// Whether the process of a signature still exists; `None` if this cannot be determined on this host.
 pub(crate) fn is_alive(signature: &str) -> Option<bool> {
     let (process, rest) = signature.strip_prefix("process ")?.split_once(" on ")?;
     let process = Pid::from_raw(process.parse().ok()?)?;
-    // A process of somebody else may not be signalled, but is there.
+    // A process of another user cannot be signalled, but it exists.
     let is_gone = || test_kill_process(process) == Err(Errno::SRCH);
     (rest.split(',').next()? == host_name()).then(|| !is_gone())
 }
@@ -111,7 +111,7 @@ mod tests {
         let signed =
             |process: u32, host: &str| is_alive(&format!("process {process} on {host}, since x"));
         assert_eq!(signed(std::process::id(), &host_name()), Some(true));
-        // Beyond the largest number that a process may have.
+        // A number beyond the largest that a process may have.
         assert_eq!(signed(1 << 30, &host_name()), Some(false));
         assert_eq!(signed(std::process::id(), "elsewhere.invalid"), None);
         assert_eq!(is_alive("another process"), None);

@@ -1,8 +1,8 @@
 //! The table file of a measure, `measure-NAME.h5`, written by rank 0.
 //!
-//! A group for each table, all of whose datasets have equally many rows; `time` is the last to be written, and a row
-//! without a time does not count. Rows are kept for a second of wall-clock time, and written together; at each checkpoint
-//! they are made safe against a kill.
+//! There is a group for each table, all of whose datasets have the same number of rows; `time` is written last, and a
+//! row without a time does not count. Rows are kept for a second of wall-clock time, and written together; at each
+//! checkpoint they are secured against a kill.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -15,9 +15,9 @@ use crate::analysis::Quantity;
 use crate::measures::{self, Column, Fixed, Layout, MeasurePlan, Table};
 use crate::parallel::Communicator;
 
-/// Bytes of rows that are stored as one piece, about.
+/// Approximate size of a chunk of rows, in bytes.
 const PIECE: usize = 1 << 14;
-/// Opening a file takes about as long as a hundred steps of a small bed: rows wait for each other.
+/// Time for which rows are collected: opening a file takes about as long as a hundred steps of a small bed.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The open file.
@@ -30,7 +30,7 @@ pub(super) struct MeasureFile {
     written: Instant,
 }
 
-/// A number that a measure gives again and again: a column of its table `results`.
+/// A number that a measure gives repeatedly: a column of its table `results`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultColumn {
     /// Its name.
@@ -61,7 +61,7 @@ impl MeasureResults {
     /// Reads the scalar results of a file `measure-NAME.h5`.
     ///
     /// # Errors
-    /// If it is no such file, or cannot be read.
+    /// If it is not such a file, or cannot be read.
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         read_results(path).map_err(|message| OutputError { path: path.to_owned(), message })
     }
@@ -109,7 +109,7 @@ impl MeasureFile {
         Ok(Self { path, tables, waiting: Vec::new(), written: Instant::now() })
     }
 
-    /// Adds rows of a time. Collective.
+    /// Adds rows at a time. Collective.
     pub(super) fn append(
         &mut self,
         time: f64,
@@ -127,7 +127,7 @@ impl MeasureFile {
         Ok(())
     }
 
-    /// Writes what waits, and makes it safe against a kill. Collective.
+    /// Writes the collected rows, and secures them against a kill. Collective.
     pub(super) fn commit(&mut self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         let path = self.path.clone();
         on_root(&path, ranks, || {
@@ -165,7 +165,7 @@ fn path_of(table: &Table, column: &str) -> String {
     format!("/{}/{column}", table.name)
 }
 
-/// Paths of the datasets that grow, but for the times: these are copied at checkpoints.
+/// Paths of the datasets that grow, except for the times, which are copied at checkpoints.
 fn bulk(tables: &[Table]) -> Vec<String> {
     let of_table =
         |table: &Table| table.columns.iter().map(|column| path_of(table, column.name)).collect();
@@ -210,7 +210,7 @@ fn make(path: &Path, plan: &MeasurePlan, layout: &Layout, head: Head<'_>) -> Mes
     file.close()
 }
 
-/// The columns of a table, with what holds the times of their rows, and what their arrays run along.
+/// The columns of a table, with the datasets that contain the times of their rows and the coordinates of their arrays.
 fn scaled_columns(table: &Table) -> impl Iterator<Item = ScaledTable> {
     table.columns.iter().map(|column| {
         let along = column.along.iter().map(|name| format!("/{name}"));
@@ -230,7 +230,8 @@ fn make_column(
     file.make_blocks::<f64>(&TableHead { name, width: 1, unit, description }, &column.shape, rows)
 }
 
-/// Drops the rows after a time; returns how many are left. If none are, the file is as it was: a new one takes its place.
+/// Drops the rows after a time; returns how many are left. If none are left, the file is unchanged: a new one replaces
+/// it.
 fn cut_after(
     path: &Path,
     time: f64,
@@ -248,7 +249,7 @@ fn cut_after(
     Ok(all)
 }
 
-/// Rows of each table up to and including a time. Those of one time may be several.
+/// Number of rows of each table up to and including a time. Several rows may have the same time.
 fn rows_to_keep(
     path: &Path,
     time: f64,

@@ -26,7 +26,7 @@ struct ImageOutput {
 }
 
 impl MeasureOutput {
-    /// Begins the files in a folder, or continues them after what they hold up to and including a time. Collective.
+    /// Begins the files in a folder, or continues them after their contents up to and including a time. Collective.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -51,7 +51,7 @@ impl MeasureOutput {
         Ok(Self { table, image, lines })
     }
 
-    /// Adds what a sample found. Collective.
+    /// Adds the results of a sample. Collective.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -74,10 +74,10 @@ impl MeasureOutput {
         self.table.append(time, rows, ranks)
     }
 
-    /// Makes safe what was written so far. Collective.
+    /// Secures the data written so far. Collective.
     ///
     /// # Errors
-    /// If a file cannot be brought to the disk.
+    /// If a file cannot be synced to the disk.
     pub fn commit(&mut self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         if let Some(image) = &self.image {
             metadata_copy::commit_on_root(&image.path, &bulk(&image.tables()), ranks)?;
@@ -124,7 +124,7 @@ impl ImageOutput {
         image_file::create(&self.path, &cells, &fields.collect::<Vec<_>>(), storage, head)
     }
 
-    /// Adds the cells of all ranks; cells that nobody knows are zero. Collective.
+    /// Adds the cells of all ranks; cells that no rank knows are zero. Collective.
     fn append(
         &self,
         time: f64,
@@ -146,7 +146,7 @@ impl ImageOutput {
         Ok(())
     }
 
-    /// The numbers of each field, cell by cell, from records of a cell's number and its values.
+    /// The values of each field, cell by cell, from records of a cell's number and its values.
     fn fields_of<'a>(
         &'a self,
         flat: &'a [f64],

@@ -1,12 +1,12 @@
-//! A copy of all that a growing HDF5 file holds beside its many numbers, so that no kill and no damage takes rows away.
+//! A copy of all data of a growing HDF5 file except its many numbers, so that no rows are lost by a kill or damage.
 //!
-//! HDF5 writes rows into places that it never moves, but while it adds some it changes, in several writes, what
-//! says where they lie (its metadata): a program that is killed between two of these writes leaves a file
-//! that nobody can read. At each checkpoint this metadata is copied beside the file, as `<name>.metadata`. A
-//! resumed run puts it back and takes off what the file has grown by since: the file is again the one
-//! of the checkpoint. The times of the rows are copied as well, and the index of snapshots: by them a resumed run counts
-//! what is there, and one wrong time would cost all later rows. What is copied is small, 8 bytes for each number of these
-//! and some hundred for each 4096 rows of the others.
+//! HDF5 writes rows to places that it never moves, but while it adds rows it changes, in several writes, the records of
+//! their positions (its metadata). A program that is killed between two of these writes leaves an unreadable file. At
+//! each checkpoint this metadata is copied next to the file, as `<name>.metadata`. A resumed run puts it back and
+//! truncates the file to its length at that time: the file is again the one of the checkpoint. The times of the rows
+//! are copied as well, and the index of snapshots. A resumed run counts the rows by these, and one wrong time would
+//! cost all later rows. The copy is small, 8 bytes for each number of these and some hundred for each 4096 rows of the
+//! others.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -20,21 +20,21 @@ use crate::parallel::Communicator;
 
 /// First bytes of a copy.
 const MARK: &[u8; 16] = b"\nTalcum copy  1\n";
-/// Bytes of the hash at the end.
+/// Number of bytes of the hash at the end.
 const HASH_LENGTH: usize = 32;
 
 fn path_of_copy(path: &Path) -> PathBuf {
     with_suffix(path, ".metadata")
 }
 
-/// Makes a new file with its first copy; it stands under its name only when it is complete. Rows of the `bulk` tables are
+/// Makes a new file with its first copy; it receives its name only when it is complete. Rows of the `bulk` tables are
 /// not copied.
 pub(super) fn create(
     path: &Path,
     bulk: &[String],
     make: impl FnOnce(&Path) -> MessageResult<()>,
 ) -> MessageResult<()> {
-    // The copy of an older file would be put into this one.
+    // The copy of an older file would otherwise be put into this one.
     match std::fs::remove_file(path_of_copy(path)) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.to_string()),
         _ => {}
@@ -43,8 +43,8 @@ pub(super) fn create(
     commit(path, bulk)
 }
 
-/// Copies the metadata of a closed file, in the place of an earlier copy, and brings the file to the disk:
-/// from now on the rows that it has are safe. Those of the `bulk` tables are not copied.
+/// Copies the metadata of a closed file, replacing an earlier copy, and syncs the file to the disk: from now on its
+/// rows are safe. Those of the `bulk` tables are not copied.
 pub(super) fn commit(path: &Path, bulk: &[String]) -> MessageResult<()> {
     let file = SerialFile::open(path)?;
     let mut rows = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn commit_on_root(
     on_root(path, ranks, || commit(path, bulk)).map(|_| ())
 }
 
-/// All of a file but its rows, with the places where it belongs.
+/// All of a file except the given ranges, with the places of the parts.
 fn copy_of_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     file.sync_all()?;
@@ -88,7 +88,7 @@ fn copy_of_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<Vec<u8
     Ok(copy)
 }
 
-/// What lies between ranges, from 0 to `length`.
+/// The gaps between ranges, from 0 to `length`.
 fn gaps(mut ranges: Vec<Range<u64>>, length: u64) -> Vec<Range<u64>> {
     ranges.sort_unstable_by_key(|range| range.start);
     ranges.push(length..length);
@@ -103,8 +103,8 @@ fn gaps(mut ranges: Vec<Range<u64>>, length: u64) -> Vec<Range<u64>> {
     gaps
 }
 
-/// Makes a file again the one that was committed, as long as it was then: rows that lay beyond the length in which the file
-/// was found are lost, and are zeros now. Without a copy nothing is done.
+/// Restores a file to its committed state and length. Rows beyond the length with which the file was found are lost,
+/// and become zeros. Without a copy nothing is done.
 pub(super) fn restore(path: &Path) -> MessageResult<()> {
     let place = path_of_copy(path);
     if !place.exists() {
@@ -119,7 +119,7 @@ pub(super) fn restore(path: &Path) -> MessageResult<()> {
     Ok(())
 }
 
-/// A whole copy, taken apart.
+/// A complete copy, split into its parts.
 struct Copy<'a> {
     length: u64,
     pieces: Vec<(u64, &'a [u8])>,
@@ -163,7 +163,7 @@ fn number(bytes: &mut &[u8]) -> Option<u64> {
     Some(u64::from_le_bytes(*first))
 }
 
-/// An error if some of the first rows of a table lie beyond the length that a file was found with.
+/// An error if some of the first rows of a table lie beyond the length with which a file was found.
 pub(super) fn require_rows(
     file: &SerialFile,
     name: &str,
@@ -213,7 +213,7 @@ mod tests {
         file.close().unwrap();
     }
 
-    /// A resumed run: the first `rows` rows are wanted, and must be as they were written.
+    /// A resumed run that needs the first `rows` rows, which must be as they were written.
     fn resume(path: &Path, rows: u64) -> MessageResult<()> {
         let found = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
         restore(path)?;
@@ -227,8 +227,8 @@ mod tests {
         file.close()
     }
 
-    /// Some of the blocks of a file are of one time, some of another: any part of what was to be written has
-    /// reached the file. A superset of what a kill can leave.
+    /// A mixture of blocks of a file from two times: any part of the data to be written has reached the file. This is a
+    /// superset of what a kill can leave.
     fn mixed(before: &[u8], after: &[u8], trial: u64) -> Vec<u8> {
         const BLOCK: usize = 32;
         let mut mixed = after.to_vec();
@@ -252,7 +252,7 @@ mod tests {
         create(&path, &tables(), make).unwrap();
         let mut rows = 0;
         for round in 0..6 {
-            // Through the first piece, some pieces, and several levels of the tree of pieces.
+            // The rounds go through the first chunk, some chunks, and several levels of the tree of chunks.
             let more = [1, 30, 700, 3, 2000, 40][round];
             append(&path, rows..rows + more);
             rows += more;
@@ -266,7 +266,7 @@ mod tests {
                     std::fs::write(&path, mixed(&before, &after, trial)).unwrap();
                     resume(&path, rows).unwrap();
                 }
-                // Killed once more, after the resumed run has committed what it continues from.
+                // The run is killed once more, after it has resumed and committed its starting point.
                 commit(&path, &tables()).unwrap();
                 let seed = 1000 + step as u64;
                 std::fs::write(&path, mixed(&before, &after, seed)).unwrap();
@@ -287,10 +287,10 @@ mod tests {
         damaged[..200].fill(0xff);
         std::fs::write(&path, &damaged).unwrap();
         resume(&path, 100).unwrap();
-        // Rows that are not there any more.
+        // Some rows no longer exist.
         std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
         assert!(resume(&path, 100).unwrap_err().contains("it was cut short"));
-        // Nothing helps where the copy is damaged too.
+        // Nothing helps if the copy is damaged too.
         let copy = path_of_copy(&path);
         let mut bytes = std::fs::read(&copy).unwrap();
         let middle = bytes.len() / 2;

@@ -1,6 +1,6 @@
-//! Files that a run leaves: checkpoints, tables and snapshots. Their schemas: `docs/files.md`.
+//! Files that a run leaves: checkpoints, tables and snapshots. Their schemas are described in `docs/files.md`.
 //!
-//! What fails on one rank fails on all, with the same message.
+//! A failure on one rank is reported on all ranks, with the same message.
 
 use std::path::{Path, PathBuf};
 
@@ -49,17 +49,17 @@ pub use units::ColumnUnits;
 pub use wall_force_table::WallForceTable;
 pub(crate) use whole_file::{name_when_whole, write_whole};
 
-/// A file that could not be written, or is not what it should be.
+/// A file that could not be written, or has invalid contents.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {message}", path.display())]
 pub struct OutputError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The fault.
     pub message: String,
 }
 
-/// A result whose error is a message that does not yet name the file.
+/// A result whose error is a message that does not name the file yet.
 pub(crate) type MessageResult<T> = Result<T, String>;
 
 /// Makes an error on one rank an error on all. Collective.
@@ -71,7 +71,7 @@ fn agreed<T>(
     agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), message: error.0 })
 }
 
-/// Does on rank 0 what is not done together; the others wait and learn of errors. Collective.
+/// Does on rank 0 what is not done together; the others wait and are informed of errors. Collective.
 pub(crate) fn on_root<T>(
     path: &Path,
     ranks: &dyn Communicator,
@@ -81,7 +81,7 @@ pub(crate) fn on_root<T>(
     agreed(path, result, ranks)
 }
 
-/// An error unless a path leads to a file: to open a pipe is to wait for its other end, perhaps without end.
+/// An error unless a path leads to a file: opening a pipe waits for its other end, perhaps without end.
 pub(crate) fn require_file(path: &Path) -> std::io::Result<()> {
     match std::fs::metadata(path)?.is_file() {
         true => Ok(()),
@@ -94,7 +94,7 @@ pub(crate) fn read_text(path: &Path) -> std::io::Result<String> {
     require_file(path).and_then(|()| std::fs::read_to_string(path))
 }
 
-/// Whether HDF5 says that a call of the system has failed: then nothing is wrong with the file as far as is known.
+/// Whether an error of HDF5 reports a failed system call: the file itself may then be intact.
 fn is_error_of_system(message: &str) -> bool {
     message.contains("errno = ")
 }
@@ -106,14 +106,14 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Brings a rename in a file's folder to the disk.
+/// Syncs a rename in a file's folder to the disk.
 fn sync_folder(path: &Path) -> MessageResult<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let opened = std::fs::File::open(folder.unwrap_or(Path::new(".")));
     opened.and_then(|folder| folder.sync_all()).map_err(|error| error.to_string())
 }
 
-/// The first name that is free for a damaged file: `name.unreadable-1`, and so on.
+/// The first free name for a damaged file: `name.unreadable-1`, and so on.
 fn free_name(path: &Path) -> PathBuf {
     let names = (1_u64..).map(|number| with_suffix(path, &format!(".unreadable-{number}")));
     names.into_iter().find(|name| !name.exists()).expect("there are more numbers than files")

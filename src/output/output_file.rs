@@ -1,4 +1,4 @@
-//! What every file of results can do: begin or continue, write an instant, and be safe against a kill.
+//! The interface of all files of results: begin or continue, write an instant, and secure against a kill.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::state::EnergyRow;
 ///
 /// A new kind is a file with such a type and its [`OutputKind`], and one line in the list of `simulation/outputs.rs`.
 pub trait Output {
-    /// Adds what it shows of an instant. Collective.
+    /// Adds the data of an instant. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -26,14 +26,14 @@ pub trait Output {
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError>;
 
-    /// Makes safe what was written so far: a run that is killed from now on, and resumed, finds all of it. Collective.
+    /// Secures the data written so far: a run that is killed from now on, and resumed, finds all of them. Collective.
     ///
     /// # Errors
-    /// If the file cannot be brought to the disk.
+    /// If the file cannot be synced to the disk.
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError>;
 }
 
-/// One instant of a run, as outputs see it.
+/// One instant of a run, as seen by outputs.
 pub struct Sample<'a> {
     /// Its numbers.
     pub measures: &'a Measures,
@@ -41,23 +41,23 @@ pub struct Sample<'a> {
     pub profile: &'a BedProfile,
     /// This rank's particles, positions wrapped into the box.
     pub particles: &'a dyn Records<ParticleRecord>,
-    /// The forces on walls; none if the case does not ask for them.
+    /// The forces on walls; empty if the case does not request them.
     pub wall_forces: &'a [WallForce],
-    /// The ledger of energies, if one is kept.
+    /// The energy ledger, if one is kept.
     pub energy: Option<&'a EnergyRow>,
-    /// The numbers of each column that snapshots show of these particles in addition, particle after particle; none if no
+    /// The values of each additional column in snapshots of these particles, particle after particle; empty if no
     /// snapshot is due.
     pub columns: &'a [Vec<f64>],
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.
     pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellSample>>,
 }
 
-/// What stands at the head of every file: what was run, and by whom.
+/// Head of every file: the case, and the provenance.
 #[derive(Clone, Copy, Debug)]
 pub struct Head<'a> {
     /// Text of the case in effect.
     pub case_text: &'a str,
-    /// Who makes the file.
+    /// Provenance of the file.
     pub provenance: &'a Provenance,
 }
 
@@ -68,21 +68,21 @@ impl Head<'_> {
     }
 }
 
-/// How a file is opened.
+/// Parameters for opening a file.
 pub struct Opening<'a> {
-    /// Its head, where it begins.
+    /// Head of a new file.
     pub head: Head<'a>,
-    /// The time up to which an earlier file is continued; `None` where all files begin.
+    /// The time up to which an earlier file is continued; `None` if all files begin.
     pub continue_after: Option<f64>,
     /// The grid of profiles.
     pub profile_grid: &'a ColumnGrid,
-    /// What snapshots show, and how.
+    /// Contents and format of snapshots.
     pub snapshots: &'a SnapshotFormat,
     /// The cells of a volume-averaged gas, if the case has one.
     pub gas_grid: Option<&'a BoxGrid>,
 }
 
-/// What a kind of output opens, or nothing if the case has nothing to show in it.
+/// The opened output, or `None` if the case has no data for it.
 pub type OpenedOutput = Result<Option<Box<dyn Output>>, OutputError>;
 
 /// A kind of output.
@@ -95,17 +95,17 @@ pub struct OutputKind {
     pub open: fn(&Path, &Opening<'_>, &dyn Communicator) -> OpenedOutput,
 }
 
-/// Why an earlier file is not continued.
+/// Reason why an earlier file is not continued.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Obstacle {
-    /// It is damaged, or another file than the one that is wanted.
+    /// It is damaged, or another file than the expected one.
     Unusable(String),
-    /// It could not be read or changed now; nothing is wrong with it as far as is known.
+    /// It could not be read or changed at present; the file itself may be intact.
     Failed(String),
 }
 
 impl Obstacle {
-    /// Of an operation of the system: content that is no text is damage, all else may pass.
+    /// Obstacle for an error of the system: contents that are not text are damage, all other errors may be temporary.
     pub(super) fn of_io(error: &std::io::Error) -> Self {
         match error.kind() {
             std::io::ErrorKind::InvalidData | std::io::ErrorKind::UnexpectedEof => {
@@ -116,24 +116,24 @@ impl Obstacle {
     }
 }
 
-/// Continues a file if there is one, by a function of the length in which it was found. A file that is unusable is set aside
-/// with a warning, and a new one begun; one that cannot be read or written is left as it is.
+/// Continues a file if there is one, by a function of the length with which it was found. An unusable file is set aside
+/// with a warning, and a new one is begun; one that cannot be read or written is left unchanged.
 ///
 /// # Errors
-/// If the file cannot be read or changed, or a new one not be made.
+/// If the file cannot be read or changed, or a new one cannot be made.
 pub(super) fn continue_or_create<T>(
     path: &Path,
     go_on: impl Fn(u64) -> Result<T, Obstacle>,
     create: impl FnOnce() -> MessageResult<T>,
 ) -> MessageResult<T> {
-    // Before the first attempt, which may make the file longer.
+    // The length is read before the first attempt, which may make the file longer.
     let Some(found_length) = found_length(path).map_err(|error| error.to_string())? else {
         log::warn!("{} is not there: it begins at the time of the checkpoint", path.display());
         return create();
     };
     let mut opened = go_on(found_length);
     if let Err(Obstacle::Unusable(reason)) = &opened {
-        // HDF5 calls a file damaged too that could not be read just now.
+        // HDF5 also reports a file as damaged if it could not be read at that moment.
         if is_error_of_system(reason) {
             return Err(reason.clone());
         }
@@ -166,8 +166,8 @@ fn read_through(path: &Path) -> std::io::Result<()> {
     std::io::copy(&mut File::open(path)?, &mut std::io::sink()).map(|_| ())
 }
 
-/// How many rows a run has written up to and including a time, from the times that stand in its file, which ascend. Where
-/// they do not, the rest may be what an interrupted shortening has left: later times, or none.
+/// Number of rows that a run has written up to and including a time, from the ascending times in its file. If they do
+/// not ascend, the rest may be left by an interrupted truncation: later times, or none.
 ///
 /// # Errors
 /// If rows that are to be kept lie behind one whose time is damaged.
@@ -175,7 +175,7 @@ pub(super) fn rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before < row_time)
 }
 
-/// Number of rows up to a time, where several rows may be of one time.
+/// Number of rows up to a time, if several rows may have the same time.
 pub(super) fn shared_rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before <= row_time)
 }
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use std::cell::{Cell, RefCell};
 
-    /// What becomes of a file that `failures` attempts find unusable.
+    /// Treatment of a file that `failures` attempts find unusable.
     fn after(failures: u32) -> (&'static str, bool) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("profiles.h5");
@@ -228,7 +228,7 @@ mod tests {
             assert!(error.contains("the time of its row 3 is damaged"), "{error}");
         }
         assert_eq!(rows_up_to(&[0.0, 0.1, 0.2, 0.3, 0.4], 0.3), Ok(4));
-        // What an interrupted shortening leaves, and room that is not filled.
+        // Remains of an interrupted truncation, and room that is not filled.
         assert_eq!(rows_up_to(&[0.0, 0.1, 0.4, 0.5, 0.0, 0.0], 0.3), Ok(2));
         assert_eq!(rows_up_to(&[], 0.3), Ok(0));
         assert!(rows_up_to(&[0.0, 0.1, 0.1, 0.2], 0.3).is_err());

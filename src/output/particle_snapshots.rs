@@ -1,8 +1,8 @@
 //! The particles at chosen times for ParaView: `particles.vtkhdf`, temporal PolyData of VTKHDF 2.0.
 //!
-//! One partition for each time, rows sorted by id, so that the file does not depend on the number of ranks.
-//! Rows are written first, then what makes them a time step; the file is closed after each, so that it can
-//! be read during the run; at each checkpoint its rows are made safe against a kill.
+//! There is one partition for each time; rows are sorted by id, so that the file does not depend on the number of
+//! ranks. Rows are written first, then the entries that make them a time step. The file is closed after each step, so
+//! that it can be read during the run; at each checkpoint its rows are secured against a kill.
 
 use std::path::{Path, PathBuf};
 
@@ -15,12 +15,12 @@ use super::{
 };
 use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id, sort_numbers_by_id};
 
-/// The kinds of cells that PolyData may have. Each snapshot has one cell, a vertex of all its particles, so that it is drawn by
-/// default; the groups of the other kinds must be there.
+/// The kinds of cells that PolyData may have. Each snapshot has one cell, a vertex of all its particles, so that it is
+/// drawn by default; the groups of the other kinds must exist.
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
-/// The points of that vertex, 0, 1, 2, ...: one list for all snapshots, as long as the largest.
+/// The points of this vertex, 0, 1, 2, ...: one list for all snapshots, as long as the largest.
 const VERTEX_POINTS: &str = "/VTKHDF/Vertices/Connectivity";
-/// Where the points of each vertex begin and end in that list: two rows for each snapshot.
+/// Start and end of the points of each vertex in that list: two rows for each snapshot.
 const VERTEX_ENDS: &str = "/VTKHDF/Vertices/Offsets";
 /// The positions.
 const POINTS: &str = "/VTKHDF/Points";
@@ -30,9 +30,9 @@ const POINT_DATA: [&str; 4] = ["id", "velocity", "angular_velocity", "radius"];
 const STEP_INTEGERS: [&str; 3] = ["PartOffsets", "NumberOfParts", "PointOffsets"];
 /// Datasets of /VTKHDF/Steps with one integer for each time and kind of cells.
 const CELL_OFFSETS: [&str; 2] = ["CellOffsets", "ConnectivityIdOffsets"];
-/// Rows of particles that are stored as one piece.
+/// Number of rows of particles that are stored in one chunk.
 const POINT_PIECE: usize = 4096;
-/// Rows of steps that are stored as one piece.
+/// Number of rows of steps that are stored in one chunk.
 const STEP_PIECE: usize = 256;
 
 /// The file of snapshots.
@@ -40,14 +40,14 @@ const STEP_PIECE: usize = 256;
 pub struct ParticleSnapshots {
     path: PathBuf,
     format: SnapshotFormat,
-    /// Whether the file is compressed; one that was begun otherwise continues as it is.
+    /// Whether the file is compressed; a file that was begun with another setting keeps it.
     compressed: bool,
     steps: u64,
-    /// Rows, those between snapshots included.
+    /// Number of rows, including those between snapshots.
     points: u64,
 }
 
-/// Rows of one snapshot: those of all particles, from the first on.
+/// Rows of one snapshot: those of all particles, from the first row on.
 #[derive(Clone, Copy)]
 struct SnapshotRows {
     step: u64,
@@ -56,7 +56,7 @@ struct SnapshotRows {
 }
 
 impl ParticleSnapshots {
-    /// In the list of outputs.
+    /// Entry in the list of outputs.
     pub const KIND: OutputKind = OutputKind {
         file_name: "particles.vtkhdf",
         needs_momentum_before: false,
@@ -72,7 +72,7 @@ impl ParticleSnapshots {
         Ok(Some(Box::new(snapshots)))
     }
 
-    /// Begins a file, in the place of one that is there. Collective.
+    /// Begins a file, replacing any existing one. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -88,8 +88,8 @@ impl ParticleSnapshots {
         Ok(Self { path, format, compressed, steps: 0, points: 0 })
     }
 
-    /// Continues a file as it was last committed, after the snapshots up to and including `time`; later ones are
-    /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
+    /// Continues a file in its last committed state, after the snapshots up to and including `time`; later ones are
+    /// dropped. A file that cannot be read is set aside with a warning, and a new one is begun. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -113,22 +113,22 @@ impl ParticleSnapshots {
             let compressed = SerialFile::open(path)?.is_compressed(POINTS)?;
             Ok([kept.steps, kept.points, u64::from(compressed)])
         })?;
-        // Rank 0 alone has counted: the sum is known to all ranks.
+        // Only rank 0 has counted: the sum makes the result known to all ranks.
         let mut counts = found.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
         let [steps, points, compressed] = counts.map(|count| count as u64);
         let (path, format) = (path.to_owned(), format.clone());
-        // A file that was begun otherwise continues as it is.
+        // A file that was begun with another setting keeps it.
         Ok(Self { path, format, compressed: compressed == 1, steps, points })
     }
 
-    /// What the snapshots show, and how.
+    /// Contents and format of the snapshots.
     pub fn format(&self) -> &SnapshotFormat {
         &self.format
     }
 
-    /// Adds the particles at a time: all ranks' shares, in any order, with the numbers of each further column in the same
-    /// order. Collective.
+    /// Adds the particles at a time: the shares of all ranks, in any order, with the values of each further column in
+    /// the same order. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -174,8 +174,8 @@ impl ParticleSnapshots {
     }
 }
 
-/// The row at which a snapshot begins after so many rows. Compressed pieces are written once, and never moved: there a
-/// snapshot begins with a piece of its own.
+/// The row at which a snapshot begins after a number of rows. Compressed chunks are written once and never moved, so
+/// that a snapshot begins with a chunk of its own.
 fn first_row(rows: u64, compressed: bool) -> u64 {
     if compressed { rows.next_multiple_of(POINT_PIECE as u64) } else { rows }
 }
@@ -198,7 +198,7 @@ fn point_data(name: &str) -> String {
     format!("/VTKHDF/PointData/{name}")
 }
 
-/// Names of the datasets with a row for each particle at each time, but for the positions.
+/// Names of the datasets with a row for each particle at each time, except for the positions.
 fn names(format: &SnapshotFormat) -> impl Iterator<Item = &'static str> {
     POINT_DATA.into_iter().chain(format.columns.iter().map(|column| column.name))
 }
@@ -314,7 +314,7 @@ fn make_step_tables(
     integers(VERTEX_ENDS, 1, "for each snapshot 0 and the number of its points", rows)
 }
 
-/// Makes rows that are there a snapshot.
+/// Turns existing rows into a snapshot.
 fn append_step(
     path: &Path,
     time: f64,
@@ -349,14 +349,14 @@ fn append_step(
     file.close()
 }
 
-/// What is kept of a file that is continued.
+/// The parts of a continued file that are kept.
 #[derive(Clone, Copy, Default)]
 struct Kept {
-    /// Snapshots.
+    /// Number of snapshots.
     steps: u64,
-    /// Rows up to the end of the last.
+    /// Number of rows up to the end of the last one.
     points: u64,
-    /// Particles of the largest.
+    /// Number of particles of the largest one.
     most: u64,
 }
 
@@ -420,7 +420,7 @@ pub(super) fn snapshot_rows(file: &SerialFile) -> MessageResult<(Vec<u64>, Vec<u
     Ok((read("/VTKHDF/Steps/PointOffsets")?, read("/VTKHDF/NumberOfPoints")?))
 }
 
-/// Every table with its rows.
+/// Each table with its number of rows.
 fn rows_of_tables(kept: Kept, format: &SnapshotFormat) -> impl Iterator<Item = (String, u64)> {
     let Kept { steps, points, most } = kept;
     let of_points = point_tables(format);
@@ -440,7 +440,7 @@ fn cut(path: &Path, kept: Kept, format: &SnapshotFormat) -> MessageResult<()> {
     let compressed = file.is_compressed(POINTS)?;
     let of_points = point_tables(format);
     for (name, rows) in rows_of_tables(kept, format) {
-        // A piece that was cut would be written again, and moved.
+        // A truncated chunk would be written again, and moved.
         let whole = compressed && of_points.contains(&name);
         let rows = if whole { first_row(rows, true).min(file.shape(&name)?.0) } else { rows };
         file.cut(&name, rows)?;

@@ -1,6 +1,5 @@
-//! Profiles over height and time for space-time plots: `profiles.h5`, written by rank 0. The file is
-//! closed after each row, so that it can be read during the run; at each checkpoint its rows are made
-//! safe against a kill.
+//! Profiles over height and time for space-time plots: `profiles.h5`, written by rank 0. The file is closed after each
+//! row, so that it can be read during the run; at each checkpoint its rows are secured against a kill.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +15,7 @@ use crate::parallel::Communicator;
 /// Datasets that grow with time.
 const GROWING: [&str; 4] =
     ["/time", "/superficial_velocity", "/solids_fraction", "/solids_velocity"];
-/// Rows that are stored as one piece.
+/// Number of rows that are stored in one chunk.
 const PIECE: usize = 64;
 
 /// Profiles at one time.
@@ -40,7 +39,7 @@ pub struct Profiles {
 }
 
 impl Profiles {
-    /// In the list of outputs.
+    /// Entry in the list of outputs.
     pub const KIND: OutputKind =
         OutputKind { file_name: "profiles.h5", needs_momentum_before: false, open: Self::open };
 
@@ -54,7 +53,7 @@ impl Profiles {
         Ok(Some(Box::new(profiles)))
     }
 
-    /// Begins a file for profiles at the given heights, in the place of one that is there. Collective.
+    /// Begins a file for profiles at the given heights, replacing any existing one. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -68,8 +67,8 @@ impl Profiles {
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
 
-    /// Continues a file as it was last committed, after the rows up to and including `time`; later ones are
-    /// dropped. A file that cannot be read, or has other heights, is set aside. Collective.
+    /// Continues a file in its last committed state, after the rows up to and including `time`; later ones are dropped.
+    /// A file that cannot be read, or has other heights, is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -92,7 +91,7 @@ impl Profiles {
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
 
-    /// Adds a row. Rank 0's row counts. Collective.
+    /// Adds a row; that of rank 0 is written. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -105,7 +104,7 @@ impl Profiles {
             file.append("/superficial_velocity", &[row.superficial_velocity])?;
             file.append("/solids_fraction", row.solids_fraction)?;
             file.append("/solids_velocity", row.solids_velocity)?;
-            // Last: a row without a time does not count.
+            // The time comes last: a row without a time does not count.
             file.append("/time", &[row.time])?;
             file.close()
         })?;
@@ -134,7 +133,7 @@ impl Output for Profiles {
     }
 }
 
-/// The tables that are not copied at checkpoints: all but the times.
+/// The tables that are not copied at checkpoints: all except the times.
 fn bulk() -> Vec<String> {
     GROWING[1..].iter().map(|&name| name.to_owned()).collect()
 }
@@ -176,7 +175,8 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
     file.close()
 }
 
-/// Drops the rows after a time; returns how many are left. If none are, the file is as it was: a new one takes its place.
+/// Drops the rows after a time; returns how many are left. If none are left, the file is unchanged: a new one replaces
+/// it.
 fn cut_after(path: &Path, time: f64, heights: &[f64], found_length: u64) -> Result<u64, Obstacle> {
     metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let rows = rows_to_keep(path, time, heights, found_length).map_err(Obstacle::Unusable)?;
@@ -243,7 +243,7 @@ mod tests {
         let profiles = Profiles::create(&path, &heights, head(&provenance), &OneRank).unwrap();
         (0..200).for_each(|step| append(&profiles, step, &OneRank));
         profiles.commit(&OneRank).unwrap();
-        // Cut within a piece, and over several, without the commit that would have followed.
+        // Truncated within a chunk, and over several, without the commit that would have followed.
         for kept in [190_u32, 100, 41] {
             let time = 0.1 * f64::from(kept - 1);
             cut_after(&path, time, &heights, u64::MAX).unwrap();

@@ -1,19 +1,19 @@
-//! What was run, where and when: stands in every result.
+//! Provenance of results: program, case, machine and time; part of every result.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::parallel::Communicator;
 
-/// Who made a file.
+/// Provenance of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Provenance {
     /// Version of Talcum.
     pub version: String,
-    /// Commit that it was built from, or `unknown`.
+    /// Commit from which it was built, or `unknown`.
     pub commit: String,
     /// Number of ranks.
     pub ranks: u64,
-    /// What ranks are: processes of MPI, or threads; not known of files from before this was written.
+    /// Kind of ranks: MPI processes, or threads; unknown for files from before this was recorded.
     pub ranks_are: Option<String>,
     /// Rank 0's host, processor and number of cores.
     pub machine: String,
@@ -21,12 +21,12 @@ pub struct Provenance {
     pub date: String,
     /// Title of the case.
     pub title: String,
-    /// System of units as the case names it.
+    /// System of units, as named in the case.
     pub units: String,
 }
 
 impl Provenance {
-    /// Describes this program, now, on these ranks; the same on all of them. Collective.
+    /// Describes this program, the present time and these ranks; equal on all ranks. Collective.
     pub fn here_and_now(title: &str, units: &str, ranks: &dyn Communicator) -> Self {
         let mut here = machine().into_bytes();
         ranks.broadcast_from_root(&mut here);
@@ -73,7 +73,7 @@ fn machine() -> String {
     format!("{host}, {processor}, {cores} cores")
 }
 
-/// A moment as `2026-11-21 05:06:03 UTC`.
+/// A time as `2026-11-21 05:06:03 UTC`.
 pub(super) fn date(moment: SystemTime) -> String {
     let seconds = moment.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil_date(seconds / 86_400);

@@ -1,4 +1,4 @@
-//! Tables of results, and HDF5 files of them: one group for each table, in it one dataset for each column.
+//! Tables of results, and HDF5 files of them: one group for each table, containing one dataset for each column.
 //!
 //! Nothing in such a file depends on the machine or the time at which it was written.
 
@@ -8,14 +8,14 @@ use super::whole_file::make_whole;
 use super::{MessageResult, OutputError};
 use std::path::Path;
 
-/// A table with what is needed to understand it alone.
+/// A table with all data needed to understand it by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultTable {
-    /// Its name; in an HDF5 file that of its group.
+    /// Its name; in an HDF5 file the name of its group.
     pub name: String,
-    /// Names and texts of what it came from.
+    /// Names and texts of its provenance.
     pub provenance: Vec<(String, String)>,
-    /// Its columns, all of one length.
+    /// Its columns, all of the same length.
     pub columns: Vec<Column>,
 }
 
@@ -26,7 +26,7 @@ pub struct Column {
     pub name: String,
     /// The unit of its numbers, if they have one.
     pub unit: Option<String>,
-    /// What it means.
+    /// Its meaning.
     pub description: String,
     /// One cell for each row.
     pub cells: Cells,
@@ -39,7 +39,7 @@ pub enum Cells {
     Text(Vec<String>),
     /// Whole numbers.
     Whole(Vec<u64>),
-    /// Numbers; not a number where there is none.
+    /// Numbers; NaN if there is none.
     Number(Vec<f64>),
 }
 
@@ -47,7 +47,7 @@ impl Cells {
     /// Texts as numbers if all of them are numbers.
     pub fn of_values(values: Vec<String>) -> Self {
         let numbers: Result<Vec<f64>, _> = values.iter().map(|value| value.parse()).collect();
-        // Seeds may have more digits than a floating-point number holds.
+        // Seeds may have more digits than a floating-point number can hold.
         let whole: Result<Vec<u64>, _> = values.iter().map(|value| value.parse()).collect();
         match (whole, numbers) {
             (Ok(whole), _) => Self::Whole(whole),
@@ -67,7 +67,7 @@ impl Cells {
         match self {
             Self::Text(cells) => cells.iter().for_each(|text| hash_text(hash, text)),
             Self::Whole(cells) => cells.iter().for_each(|number| hash_bits(hash, *number)),
-            // All that is not a number is one, and a zero has no sign.
+            // All undefined numbers are equal, and a zero has no sign.
             Self::Number(cells) => cells.iter().for_each(|number| {
                 let number = if number.is_nan() { f64::NAN } else { number + 0.0 };
                 hash_bits(hash, number.to_bits());
@@ -91,12 +91,12 @@ impl Column {
 }
 
 impl ResultTable {
-    /// A table of what its columns say.
+    /// A table with these columns.
     pub fn new(name: &str, columns: Vec<Column>) -> Self {
         Self { name: name.to_owned(), provenance: Vec::new(), columns }
     }
 
-    /// Hash of what tables hold, names, units and cells, not of their provenance: BLAKE3, in hexadecimal digits.
+    /// Hash of the contents of tables, names, units and cells, without their provenance: BLAKE3, in hexadecimal digits.
     pub fn digest_of(tables: &[Self]) -> String {
         let mut hash = blake3::Hasher::new();
         for table in tables {
@@ -110,8 +110,8 @@ impl ResultTable {
         hash.finalize().to_hex().to_string()
     }
 
-    /// Writes tables into an HDF5 file, in the place of one that is there; it stands under its name only when it is
-    /// whole. The root has the provenance, texts of one name joined by lines.
+    /// Writes tables into an HDF5 file, replacing any existing one; it receives its name only when it is complete. The
+    /// root has the provenance; texts with the same name are joined by line breaks.
     ///
     /// # Errors
     /// If the file cannot be written.

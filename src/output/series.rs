@@ -7,12 +7,12 @@ use super::{ColumnUnits, Head, OpenedOutput, Opening, Output, OutputError, Outpu
 use crate::analysis::Measures;
 use crate::parallel::Communicator;
 
-/// The open table: comments with what was run, a header with units, and a row for each time.
+/// The open table: comments with the provenance, a header with units, and a row for each time.
 #[derive(Debug)]
 pub struct Series(TextTable);
 
 impl Series {
-    /// In the list of outputs.
+    /// Entry in the list of outputs.
     pub const KIND: OutputKind =
         OutputKind { file_name: "series.csv", needs_momentum_before: true, open: Self::open };
 
@@ -21,7 +21,7 @@ impl Series {
         Ok(Some(Box::new(Self(TextTable::open(path, opening, &format, ranks)?))))
     }
 
-    /// Begins a table, in the place of one that is there. Collective.
+    /// Begins a table, replacing any existing one. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -33,8 +33,8 @@ impl Series {
         Ok(Self(TextTable::create(path, head, &format(&head.units()), ranks)?))
     }
 
-    /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
-    /// file becomes that of a run without interruption. A file that is not such a table is set aside. Collective.
+    /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the file becomes
+    /// that of a run without interruption. A file that is not such a table is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -47,7 +47,7 @@ impl Series {
         Ok(Self(TextTable::resume(path, time, head, &format(&head.units()), ranks)?))
     }
 
-    /// Adds a row, which is in the file on return. Rank 0's row counts. Collective.
+    /// Adds a row, which is in the file on return; that of rank 0 is written. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.

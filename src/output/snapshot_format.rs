@@ -1,21 +1,21 @@
-//! How snapshots hold numbers, and what they show beside what they always show.
+//! Number format of snapshots, and their columns in addition to the standard ones.
 
 use super::hdf5_file::SerialFile;
 use super::table::{Rows, TableHead};
 use super::{ColumnUnits, MessageResult};
 use crate::fields::{Field, Kind};
 
-/// How snapshots hold numbers.
+/// Number format of snapshots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SnapshotStorage {
-    /// Whether a number takes 4 bytes in place of 8.
+    /// Whether a number takes 4 bytes instead of 8.
     pub single_precision: bool,
-    /// How hard numbers are compressed: from 0, not at all, to 9.
+    /// Level of compression: from 0, none, to 9.
     pub compression: u8,
 }
 
 impl SnapshotStorage {
-    /// Makes a dataset of numbers whose rows are blocks of a shape, stored in pieces of so many rows.
+    /// Makes a dataset of numbers whose rows are blocks of a shape, stored in chunks of a given number of rows.
     pub(super) fn make_numbers(
         self,
         file: &SerialFile,
@@ -29,7 +29,7 @@ impl SnapshotStorage {
         }
     }
 
-    /// Growing rows, in pieces of so many.
+    /// Growing rows, in chunks of a given number.
     pub(super) fn rows(self, piece: usize) -> Rows {
         match self.compression {
             0 => Rows::Growing(piece),
@@ -38,18 +38,18 @@ impl SnapshotStorage {
     }
 }
 
-/// What snapshots show of each particle, beside what they always show.
+/// An additional column for each particle in snapshots.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PointColumn {
     /// Name of its dataset.
     pub name: &'static str,
     /// Numbers for each particle.
     pub width: usize,
-    /// Whether they are whole.
+    /// Whether they are whole numbers.
     pub is_whole: bool,
     /// Name of their unit.
     pub unit: &'static str,
-    /// What they mean.
+    /// Their meaning.
     pub description: &'static str,
 }
 
@@ -66,11 +66,11 @@ impl PointColumn {
     }
 }
 
-/// What is common to all snapshots of a run.
+/// Settings common to all snapshots of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SnapshotFormat {
-    /// What they show of each particle, beside what they always show.
+    /// The additional columns for each particle.
     pub columns: Vec<PointColumn>,
-    /// How they hold numbers.
+    /// Number format.
     pub storage: SnapshotStorage,
 }

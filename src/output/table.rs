@@ -1,11 +1,11 @@
-//! What a dataset is, apart from HDF5.
+//! Description of a dataset, independent of HDF5.
 
 /// Name, shape and meaning of a dataset.
 #[derive(Clone, Copy)]
 pub(super) struct TableHead<'a> {
     /// Path in the file.
     pub(super) name: &'a str,
-    /// Numbers in a row; 1 for a plain column.
+    /// Number of values in a row; 1 for a plain column.
     pub(super) width: usize,
     /// Name of the unit; `1` for pure numbers.
     pub(super) unit: &'a str,
@@ -13,18 +13,18 @@ pub(super) struct TableHead<'a> {
     pub(super) description: &'a str,
 }
 
-/// How many rows a dataset has.
+/// Number of rows of a dataset.
 #[derive(Clone, Copy)]
 pub(super) enum Rows {
-    /// So many, from the start.
+    /// A fixed number of rows.
     Fixed(u64),
-    /// None yet; stored in pieces of so many rows.
+    /// No rows yet; stored in chunks of this number of rows.
     Growing(usize),
-    /// Compressed pieces; every piece may be written at one time only.
+    /// Compressed chunks; every chunk must be written at once.
     Compressed {
-        /// Rows of a piece.
+        /// Number of rows of a chunk.
         piece: usize,
-        /// How hard, from 1 to 9.
+        /// Level of compression, from 1 to 9.
         level: u8,
     },
 }

@@ -1,4 +1,4 @@
-//! A table as text: comments with what was run, a header with units, and rows over time, written by rank 0.
+//! A table as text: comments with the provenance, a header with units, and rows over time, written by rank 0.
 
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Seek, Write};
@@ -11,12 +11,12 @@ use super::{
 };
 use crate::parallel::Communicator;
 
-/// What a table looks like.
+/// Format of a table.
 #[derive(Clone, Debug)]
 pub(super) struct TableFormat {
-    /// The line of names and units.
+    /// The line with names and units.
     pub(super) header: String,
-    /// Which columns are texts, or may be empty; the others are numbers.
+    /// Columns that are texts, or may be empty; the others are numbers.
     pub(super) texts: &'static [usize],
 }
 
@@ -24,12 +24,12 @@ pub(super) struct TableFormat {
 #[derive(Debug)]
 pub(super) struct TextTable {
     path: PathBuf,
-    /// On rank 0.
+    /// Set on rank 0.
     file: Option<File>,
 }
 
 impl TextTable {
-    /// Begins a table, or continues an earlier one, as the run does. Collective.
+    /// Begins a table, or continues an earlier one, like the run. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -45,7 +45,7 @@ impl TextTable {
         }
     }
 
-    /// Begins a table, in the place of one that is there. Collective.
+    /// Begins a table, replacing any existing one. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -59,8 +59,8 @@ impl TextTable {
         Ok(Self { path: path.to_owned(), file })
     }
 
-    /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
-    /// file becomes that of a run without interruption. A file that is not such a table is set aside. Collective.
+    /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the file becomes
+    /// that of a run without interruption. A file that is not such a table is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -82,7 +82,7 @@ impl TextTable {
         Ok(Self { path: path.to_owned(), file })
     }
 
-    /// Adds lines, which are in the file on return. Those of rank 0 count. Collective.
+    /// Adds lines, which are in the file on return; those of rank 0 are written. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -101,10 +101,10 @@ impl TextTable {
         Ok(())
     }
 
-    /// Brings the file to the disk. Collective.
+    /// Syncs the file to the disk. Collective.
     ///
     /// # Errors
-    /// If that fails.
+    /// If this fails.
     pub(super) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         on_root(&self.path, ranks, || {
             let file = self.file.as_ref().ok_or("the file is not open")?;
@@ -134,14 +134,14 @@ fn create(path: &Path, head: Head<'_>, format: &TableFormat) -> MessageResult<Fi
     replace(path, &text)
 }
 
-/// Replaces a file at one stroke and opens it to append.
+/// Replaces a file atomically and opens it to append.
 fn replace(path: &Path, text: &str) -> MessageResult<File> {
     write_whole(path, text.as_bytes())?;
     let opened = OpenOptions::new().read(true).append(true).open(path);
     opened.map_err(|error| error.to_string())
 }
 
-/// Whether a path leads to an open file: it may have been removed, or another file put into its place.
+/// Whether a path leads to an open file: it may have been removed, or replaced by another file.
 fn leads_to(path: &Path, file: &File) -> std::io::Result<bool> {
     let open = file.metadata()?;
     match std::fs::metadata(path) {
@@ -151,7 +151,7 @@ fn leads_to(path: &Path, file: &File) -> std::io::Result<bool> {
     }
 }
 
-/// Writes the rows of an open table to its path again, to which it does not lead any more. What is there is set aside.
+/// Writes the rows of an open table again to its path, which no longer leads to it. A file that is there is set aside.
 fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
     let mut text = String::new();
     let read = file.rewind().and_then(|()| file.read_to_string(&mut text));
@@ -163,8 +163,8 @@ fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
     replace(path, &text)
 }
 
-/// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
-/// was is kept; a last row that a kill has cut short is not damage. Rows that end too early are reported.
+/// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the original
+/// file is kept; a last row truncated by a kill is not damage. Rows that end too early are reported.
 fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Obstacle> {
     let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
     let (mut kept, rows) = head_and_rows(&text, format).map_err(Obstacle::Unusable)?;
@@ -194,17 +194,17 @@ fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Ob
 
 /// A line below the header.
 struct Row<'t> {
-    /// From 1, in the file.
+    /// Number of the line in the file, from 1.
     number: usize,
     line: &'t str,
-    /// `None` if it is no row of the table, or has no time that is a number.
+    /// `None` if it is not a row of the table, or its time is not a number.
     time: Option<f64>,
 }
 
 impl Row<'_> {
     /// Its time; `None` if it is damaged: before the time of the row above, or after those of the rows below.
     fn time_after(&self, before: f64, below: &[Self]) -> Option<f64> {
-        /// One of the rows below may be damaged itself.
+        /// Number of rows below that are compared, since one of them may be damaged itself.
         const ASKED: usize = 2;
         let own = self.time.filter(|&own| own >= before)?;
         let mut next = below.iter().filter_map(|row| row.time).take(ASKED).peekable();
@@ -213,7 +213,7 @@ impl Row<'_> {
     }
 }
 
-/// The comments and the header of a table, and the rows below them without a last one that has no end.
+/// The comments and the header of a table, and the rows below them, without an unfinished last one.
 fn head_and_rows<'t>(text: &'t str, format: &TableFormat) -> MessageResult<(String, Vec<Row<'t>>)> {
     let mut head = String::new();
     let mut rows = Vec::new();
@@ -239,8 +239,9 @@ fn head_and_rows<'t>(text: &'t str, format: &TableFormat) -> MessageResult<(Stri
     Ok((head, rows))
 }
 
-/// The last time of rows if there should be another one up to `time`: rows are brought to the disk with each checkpoint. Rows
-/// fall on the first step after a multiple of their interval, so that the longest of the last intervals counts.
+/// The last time of the rows if there should be another one up to `time`: rows are synced to the disk with each
+/// checkpoint. A row is written at the first step after a multiple of its interval, so the longest of the last
+/// intervals is used.
 fn missing_after(time: f64, times: &[f64]) -> Option<f64> {
     let mut distinct = times.to_vec();
     distinct.dedup();
@@ -251,7 +252,7 @@ fn missing_after(time: f64, times: &[f64]) -> Option<f64> {
     (last + (1.0 - 1.0e-9) * longest <= time).then_some(last)
 }
 
-/// Whether a line has so many cells, numbers in all but those of texts.
+/// Whether a line has this number of cells, all of which are numbers except for those of texts.
 fn is_row(line: &str, columns: Option<usize>, format: &TableFormat) -> bool {
     let cells = cells(line.trim_end());
     let is_number = |cell: &&str| cell.parse::<f64>().is_ok();
@@ -259,7 +260,7 @@ fn is_row(line: &str, columns: Option<usize>, format: &TableFormat) -> bool {
     Some(cells.len()) == columns && numbers.map(|(_, cell)| cell).all(is_number)
 }
 
-/// Keeps a copy of a table whose damaged rows are left out.
+/// Keeps a copy of a table from which damaged rows are left out.
 fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
     let copy = free_name(path);
     std::fs::copy(path, &copy).map_err(|error| format!("cannot be copied: {error}"))?;
@@ -268,7 +269,7 @@ fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
     Ok(())
 }
 
-/// A text as a cell: quoted if it holds a comma, a quotation mark or the end of a line.
+/// A text as a cell: quoted if it contains a comma, a quotation mark or a line break.
 pub(super) fn quoted(text: &str) -> String {
     match text.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", text.replace(['\n', '\r'], " ").replace('"', "\"\"")),
@@ -300,7 +301,7 @@ mod tests {
             for wrong in ["0", "NaN", "inf", "1e9", "-1"] {
                 let mut times = whole;
                 times[place] = wrong;
-                // Rows of several walls are of one time, and a last row may be later than the checkpoint.
+                // Rows of several walls have the same time, and a last row may be later than the checkpoint.
                 if times == whole || matches!((place, wrong), (1, "0") | (4, "1e9")) {
                     continue;
                 }
@@ -341,7 +342,7 @@ mod tests {
         assert_eq!(missing_after(0.3, &times), Some(0.2));
         assert_eq!(missing_after(0.29, &times), None);
         assert_eq!(missing_after(0.3, &[0.0, 0.11, 0.2]), None);
-        // Later rows than the time are dropped; one row gives no interval.
+        // Rows later than the time are dropped; a single row gives no interval.
         assert_eq!(missing_after(0.05, &times), None);
         assert_eq!(missing_after(9.0, &[0.0, 0.0]), None);
     }

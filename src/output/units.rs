@@ -1,4 +1,4 @@
-//! Names of units in the headers of tables and at every dataset.
+//! Names of units in the headers of tables and the attributes of datasets.
 
 use crate::analysis::Quantity;
 use crate::fields::Unit;
@@ -64,7 +64,7 @@ impl ColumnUnits {
         number: "1",
     };
 
-    /// Particle density, reference diameter and gravity are 1.
+    /// The system in which particle density, reference diameter and gravity are 1.
     pub const DIMENSIONLESS: Self = Self {
         time: "sqrt(d/g)",
         length: "d",
@@ -124,7 +124,7 @@ impl ColumnUnits {
         }
     }
 
-    /// The units of a system as the case names it: `"si"`, or otherwise the dimensionless one.
+    /// The units of a system with its name in the case: `"si"`, or otherwise the dimensionless one.
     pub fn of_system(name: &str) -> Self {
         if name == "si" { Self::SI } else { Self::DIMENSIONLESS }
     }

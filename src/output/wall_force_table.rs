@@ -11,7 +11,7 @@ use crate::parallel::Communicator;
 pub struct WallForceTable(TextTable);
 
 impl WallForceTable {
-    /// In the list of outputs.
+    /// Entry in the list of outputs.
     pub const KIND: OutputKind =
         OutputKind { file_name: "walls.csv", needs_momentum_before: false, open: Self::open };
 

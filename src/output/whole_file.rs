@@ -1,25 +1,25 @@
-//! Files that are written once: each stands under its name as a whole, or not at all.
+//! Files that are written in one piece: each exists under its name either completely or not at all.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::{MessageResult, sync_folder, with_suffix};
 
-/// What the name of a file has behind it while it is made, before the number of the process.
+/// Suffix of a file's name while it is made, before the number of the process.
 const PARTIAL: &str = ".partial";
 
-/// Writes a file in the place of one that is there.
+/// Writes a file, replacing any existing one.
 ///
 /// # Errors
-/// If it cannot be written. The earlier file, if there is one, is then as it was.
+/// If it cannot be written. The earlier file, if there is one, is then unchanged.
 pub(crate) fn write_whole(path: &Path, content: &[u8]) -> MessageResult<()> {
     make_whole(path, |partial| std::fs::write(partial, content).map_err(|error| error.to_string()))
 }
 
-/// Has a file made beside its place, brings it to the disk and puts it in the place of one that is there.
+/// Lets a function make a file next to its final place, syncs it to the disk and replaces any existing file by it.
 ///
 /// # Errors
-/// If it cannot be made or put there. The earlier file, if there is one, is then as it was.
+/// If it cannot be made or put there. The earlier file, if there is one, is then unchanged.
 pub(super) fn make_whole(
     path: &Path,
     make: impl FnOnce(&Path) -> MessageResult<()>,
@@ -27,13 +27,13 @@ pub(super) fn make_whole(
     let partial = partial_of(path);
     let made = make(&partial).and_then(|()| put(&partial, path));
     if made.is_err() {
-        // What was begun is of no use; that it stays if it cannot be removed either does no harm.
+        // The partial file is of no use; if it cannot be removed, it does no harm.
         let _ = std::fs::remove_file(&partial);
     }
     made
 }
 
-/// Processes that write the same file at the same time do not write into each other's.
+/// Path of the partial file, which differs between processes that write the same file at the same time.
 fn partial_of(path: &Path) -> PathBuf {
     with_suffix(path, &format!("{PARTIAL}-{}", std::process::id()))
 }
@@ -46,7 +46,7 @@ fn put(partial: &Path, path: &Path) -> MessageResult<()> {
     sync_folder(path)
 }
 
-/// The name under which a file was to stand whose making may have been interrupted.
+/// The final name of a file whose making may have been interrupted.
 pub(crate) fn name_when_whole(name: &str) -> &str {
     match name.rsplit_once(PARTIAL) {
         Some((whole, "")) => whole,

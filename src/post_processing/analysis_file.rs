@@ -1,11 +1,11 @@
-//! What was found, in one HDF5 file.
+//! Findings in one HDF5 file.
 
 use super::{Findings, Measure, Results, Scalar, TimeWindow, Value, full_name};
 use crate::output::{Cells, Column, OutputError, ResultTable};
 use std::path::Path;
 
-/// Writes `analysis.h5`: the table `/scalars` with all numbers and texts, and the tables of each measure in a group of its
-/// name. The root says what was analysed, and has the hash of all tables, which is returned.
+/// Writes `analysis.h5`: the table `/scalars` with all numbers and texts, and the tables of each measure in a group
+/// with its name. The root contains the provenance and the hash of all tables, which is returned.
 ///
 /// # Errors
 /// If the file cannot be written.

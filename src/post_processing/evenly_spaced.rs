@@ -1,12 +1,12 @@
-//! Rows at even intervals of time, as correlations and spectra need them.
+//! Rows at even intervals of time, as required by correlations and spectra.
 
 use crate::analysis::NoValue;
 use crate::analysis::statistics::median;
 
-/// Intervals that differ by less than this part are even.
+/// Relative difference below which intervals count as even.
 const EVEN: f64 = 1.0e-6;
 
-/// Times at even intervals, and which rows stand for them.
+/// Times at even intervals, and the rows that represent them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EvenRows {
     /// First time.
@@ -18,8 +18,8 @@ pub(super) struct EvenRows {
 }
 
 impl EvenRows {
-    /// Of rising times. Where they are not even (a stage that ends between two of them, or a restart), the row nearest to
-    /// each multiple of the median interval is taken.
+    /// Even rows for ascending times. If these are not evenly spaced (because a stage ends between two of them, or
+    /// because of a restart), the row nearest to each multiple of the median interval is taken.
     pub(super) fn of(times: &[f64]) -> Result<Self, NoValue> {
         let intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let (Some(interval), [start, .., last]) = (median(&intervals), times) else {
@@ -43,7 +43,7 @@ impl EvenRows {
     }
 }
 
-/// The place of the rising time that is nearest to one; the earlier of two.
+/// The index of the ascending time that is nearest to a given one; the earlier of two.
 pub(super) fn nearest(times: &[f64], time: f64) -> usize {
     let after = times.partition_point(|&other| other < time);
     let distance = |place: usize| times.get(place).map_or(f64::INFINITY, |t| (t - time).abs());
@@ -61,7 +61,7 @@ mod tests {
     fn even_rows_are_taken_as_they_are_and_others_by_the_nearest() {
         let even = EvenRows::of(&[0.0, 0.25, 0.5, 0.75]).unwrap();
         assert_eq!((even.interval, even.rows), (0.25, vec![0, 1, 2, 3]));
-        // A stage ends at 0.55, and the next begins to count there.
+        // A stage ends at 0.55, and the next one counts its intervals from there.
         let uneven = EvenRows::of(&[0.0, 0.25, 0.5, 0.55, 0.8, 1.05, 1.3]).unwrap();
         assert_eq!((uneven.interval, uneven.rows), (0.25, vec![0, 1, 2, 4, 5, 6]));
         assert!(EvenRows::of(&[1.0]).is_err());

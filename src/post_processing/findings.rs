@@ -1,19 +1,19 @@
-//! What a measure finds: named numbers and texts, tables, and notes.
+//! Findings of a measure: named numbers and texts, tables, and notes.
 
 use super::ScalarName;
 use crate::analysis::{Estimate, NoValue, Quantity};
 use crate::output::{ColumnUnits, OutputError, ResultTable};
 
-/// A number or text that a measure may give.
+/// A kind of number or text that a measure may give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     /// Its name after that of the measure.
     pub name: &'static str,
-    /// What kind of quantity it is; that of a text does not count.
+    /// Kind of quantity; it is ignored for a text.
     pub quantity: Quantity,
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
-    /// The texts that it may be; `None` for a number.
+    /// The possible texts; `None` for a number.
     pub texts: Option<&'static [&'static str]>,
 }
 
@@ -33,19 +33,19 @@ impl Kind {
     }
 }
 
-/// What was found of a number or text.
+/// The finding for a number or text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A number.
     Number {
         /// Its value.
         value: f64,
-        /// Its standard error, where it can be estimated.
+        /// Its standard error, if it can be estimated.
         error: Option<f64>,
     },
     /// A text.
     Text(&'static str),
-    /// Nothing, for this reason.
+    /// No value, for this reason.
     Nothing(NoValue),
 }
 
@@ -57,7 +57,7 @@ impl From<f64> for Value {
 
 impl From<Estimate> for Value {
     fn from(Estimate { value, error }: Estimate) -> Self {
-        // Errors are infinite where there is too little to estimate them from.
+        // Errors are infinite if there are too few data for an estimate.
         Self::Number { value, error: Some(error).filter(|error| error.is_finite()) }
     }
 }
@@ -71,15 +71,15 @@ impl<T: Into<Self>> From<Result<T, NoValue>> for Value {
 /// A number or text with its kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scalar {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
-    /// What was found.
+    /// Its value.
     pub value: Value,
     /// Its unit.
     pub unit: &'static str,
 }
 
-/// What a measure found.
+/// All findings of a measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Findings {
     units: ColumnUnits,
@@ -87,17 +87,17 @@ pub struct Findings {
     pub scalars: Vec<Scalar>,
     /// Tables.
     pub tables: Vec<ResultTable>,
-    /// What a reader must know to use them, one sentence each.
+    /// Notes for the reader on their use, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Findings {
-    /// Nothing yet.
+    /// Empty findings.
     pub fn new(units: ColumnUnits) -> Self {
         Self { units, scalars: Vec::new(), tables: Vec::new(), notes: Vec::new() }
     }
 
-    /// Nothing at all, for one reason.
+    /// Findings without any value, for one reason.
     pub(super) fn nothing(kinds: Vec<Kind>, units: ColumnUnits, reason: &NoValue) -> Self {
         let mut found = Self::new(units);
         for kind in kinds {
@@ -117,7 +117,7 @@ impl Findings {
         self.notes.push(sentence.into());
     }
 
-    /// The one reason why nothing was found, if that is so.
+    /// The one reason why nothing was found, if there is no value.
     pub fn why_nothing(&self) -> Option<&NoValue> {
         let mut reasons = self.scalars.iter().map(|scalar| match &scalar.value {
             Value::Nothing(reason) => Some(reason),
@@ -127,7 +127,7 @@ impl Findings {
         (self.tables.is_empty() && reasons.all(|reason| reason == Some(first))).then_some(first)
     }
 
-    /// What was found of a number or text, and its unit.
+    /// The finding for a number or text, and its unit.
     pub fn value_of(&self, name: &ScalarName) -> (Value, &'static str) {
         let found = self.scalars.iter().find(|scalar| scalar.kind.name == name.kind.name);
         let absent = || Value::Nothing(NoValue::because("this run has nothing of the kind"));
@@ -135,12 +135,12 @@ impl Findings {
     }
 }
 
-/// Why a measure found nothing.
+/// Reason why a measure found nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unmeasured {
     /// The results do not allow it.
     Nothing(NoValue),
-    /// A file that is there cannot be read.
+    /// An existing file cannot be read.
     Unreadable(OutputError),
 }
 

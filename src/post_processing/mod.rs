@@ -1,11 +1,11 @@
-//! What `talcum analyse` does: reads the results of a run, and measures on them by the functions of
+//! The work of `talcum analyse`: it reads the results of a run, and evaluates them by the functions of
 //! [`analysis`](crate::analysis).
 //!
-//! A measure is a file in `measures/` and its line in the list there. It takes what it needs from [`Results`], which say
-//! which key of the case would have given a file that is not there. Its numbers have names, `waves.speed`, by which
-//! studies ask for them. A file that is there but cannot be read is an error.
+//! A measure is a file in `measures/` and its line in the list there. It takes its data from [`Results`], whose errors
+//! name the key of the case that would have given a missing file. Its numbers have names such as `waves.speed`, by
+//! which studies request them. An existing file that cannot be read is an error.
 //!
-//! Measures need no ranks, and what they find does not depend on those of the run.
+//! Measures need no ranks, and their findings do not depend on the ranks of the run.
 
 mod analysis_file;
 mod evenly_spaced;
@@ -33,24 +33,24 @@ pub struct Measure {
     pub name: &'static str,
     /// Its heading in the summary.
     pub title: &'static str,
-    /// The numbers and texts that it may give; one with an empty name goes by the measure's own.
+    /// The numbers and texts that it may give; one with an empty name has the name of the measure itself.
     pub scalars: fn() -> Vec<Kind>,
     /// Whether a run of this case gives it, as far as the case shows.
     pub of_case: fn(&Case) -> Result<(), NoValue>,
-    /// Measures.
+    /// Evaluates the results.
     pub find: fn(&Results) -> Result<Findings, Unmeasured>,
 }
 
 impl Measure {
-    /// The measure of that name.
+    /// The measure with this name.
     pub fn named(name: &str) -> Option<&'static Self> {
         MEASURES.iter().copied().find(|measure| measure.name == name)
     }
 
-    /// What it finds; if the results do not allow it, nothing but the reason.
+    /// Its findings; only the reason if the results do not allow it.
     ///
     /// # Errors
-    /// If a file that is there cannot be read.
+    /// If an existing file cannot be read.
     pub fn take(&self, results: &Results) -> Result<Findings, OutputError> {
         match (self.find)(results) {
             Ok(found) => Ok(found),
@@ -67,7 +67,7 @@ impl Measure {
 pub struct ScalarName {
     /// Its measure.
     pub measure: &'static Measure,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
 }
 
@@ -77,7 +77,7 @@ impl fmt::Display for ScalarName {
     }
 }
 
-/// The name by which a number or text is asked for.
+/// The name by which a number or text is requested.
 fn full_name(measure: &Measure, kind: &Kind) -> String {
     match kind.name {
         "" => measure.name.to_owned(),
@@ -94,7 +94,7 @@ fn scalars() -> impl Iterator<Item = ScalarName> {
     MEASURES.iter().flat_map(of_measure)
 }
 
-/// The number or text that a full name stands for.
+/// The number or text with a full name.
 pub fn scalar_named(name: &str) -> Option<ScalarName> {
     scalars().find(|scalar| scalar.to_string() == name)
 }

@@ -1,4 +1,4 @@
-//! What was found, as text.
+//! Findings as text.
 
 use super::{Findings, MEASURES, Measure, Scalar, Value, full_name};
 use std::fmt::Write;
@@ -45,7 +45,7 @@ fn value_of(scalar: &Scalar) -> String {
     }
 }
 
-/// A number with the digits that its error leaves, two of them uncertain; with five if there is no error.
+/// A number with the digits that its error justifies, two of them uncertain; with five if there is no error.
 fn digits(value: f64, error: f64) -> String {
     let largest = value.abs().max(error.abs());
     let whole = error == 0.0 && largest < 1.0e6 && libm::trunc(value) == value;
@@ -61,7 +61,7 @@ fn digits(value: f64, error: f64) -> String {
     format!("{value:.places$e}")
 }
 
-/// All names, each with what it means.
+/// All names, each with its meaning.
 pub fn list() -> String {
     let mut text = String::new();
     for measure in MEASURES {

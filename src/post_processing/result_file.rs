@@ -23,7 +23,7 @@ impl ResultFile {
         }
     }
 
-    /// Says that there is no such file, and which key would give it.
+    /// The message that there is no such file, with the key that would give it.
     pub(super) fn absent(self) -> NoValue {
         let key = match self {
             Self::Series => "output.series",

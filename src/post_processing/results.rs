@@ -1,4 +1,4 @@
-//! The folder of a run, read as far as measures ask for it.
+//! The folder of a run, read as far as measures need it.
 
 use super::Unmeasured;
 use super::result_file::ResultFile;
@@ -14,7 +14,7 @@ use crate::parallel::OneRank;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
-/// The times that count; both ends belong to it.
+/// The times that are evaluated; both ends are included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeWindow {
     /// First time.
@@ -34,14 +34,14 @@ impl TimeWindow {
 
 type Read<T> = OnceCell<Result<T, Unmeasured>>;
 
-/// The results of a run. Files are read when a measure asks for them first.
+/// The results of a run. Files are read at the first request of a measure.
 pub struct Results {
     folder: PathBuf,
-    /// The times that count.
+    /// The times that are evaluated.
     pub window: TimeWindow,
     case_text: String,
     case: Result<Case, NoValue>,
-    /// Whether a file that the case asks for must be there.
+    /// Whether files requested by the case must exist.
     is_whole: bool,
     series: Read<SeriesTable>,
     profiles: Read<ProfileTable>,
@@ -52,7 +52,7 @@ impl Results {
     /// The results in a folder.
     ///
     /// # Errors
-    /// If it holds no `case.toml`.
+    /// If it contains no `case.toml`.
     pub fn open(folder: &Path, window: TimeWindow) -> Result<Self, OutputError> {
         let path = folder.join("case.toml");
         let case_text = read_text(&path).map_err(|error| OutputError {
@@ -69,13 +69,13 @@ impl Results {
         Ok(Self { folder, window, case_text, case, is_whole, series, profiles, checkpoints })
     }
 
-    /// These results as those of a run that has come to its end: a file that the case asks for and that is not there is
-    /// an error, not the lack of something to measure.
+    /// These results as those of a run that has come to its end: a missing file that the case requests is then an
+    /// error, not merely a lack of data.
     pub fn of_complete_run(self) -> Self {
         Self { is_whole: true, ..self }
     }
 
-    /// Where they are.
+    /// The folder of the results.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -92,7 +92,7 @@ impl Results {
 
     /// The units of the case.
     pub fn units(&self) -> ColumnUnits {
-        // A case that is not accepted may say nonsense here, and its numbers then have no unit that is known.
+        // A case that is not valid may contain anything here; its numbers then have no known unit.
         let name = |case: &Case| case.units.name();
         ColumnUnits::of_system(self.case.as_ref().map_or("dimensionless", name))
     }
@@ -112,14 +112,14 @@ impl Results {
         as_ref(self.series.get_or_init(read))
     }
 
-    /// The rows of `series.csv` that count; at least one.
+    /// The rows of `series.csv` in the window; at least one.
     pub fn series(&self) -> Result<SeriesTable, Unmeasured> {
         let rows = self.whole_series()?.between(self.window.from, self.window.to);
         self.require_times(rows.rows.len(), ResultFile::Series)?;
         Ok(rows)
     }
 
-    /// A column of the rows that count.
+    /// A column of the rows in the window.
     pub fn column(&self, name: &str) -> Result<Vec<f64>, Unmeasured> {
         let absent = || NoValue::because(format!("series.csv has no column {name}"));
         Ok(self.series()?.column(name).ok_or_else(absent)?)
@@ -134,14 +134,14 @@ impl Results {
         as_ref(self.profiles.get_or_init(read))
     }
 
-    /// The rows of `profiles.h5` that count; at least one.
+    /// The rows of `profiles.h5` in the window; at least one.
     pub fn profiles(&self) -> Result<ProfileTable, Unmeasured> {
         let rows = self.whole_profiles()?.between(self.window.from, self.window.to);
         self.require_times(rows.times.len(), ResultFile::Profiles)?;
         Ok(rows)
     }
 
-    /// The snapshots of particles that count; at least one.
+    /// The snapshots of particles in the window; at least one.
     pub fn particle_snapshots(&self) -> Result<ParticleSnapshotReader, Unmeasured> {
         let path = self.file(ResultFile::Particles)?;
         let snapshots = ParticleSnapshotReader::open(&path)?;
@@ -150,7 +150,7 @@ impl Results {
         Ok(snapshots)
     }
 
-    /// The snapshots of a volume-averaged gas that count; at least one.
+    /// The snapshots of a volume-averaged gas in the window; at least one.
     pub fn gas_snapshots(&self) -> Result<GasSnapshotReader, Unmeasured> {
         let path = self.file(ResultFile::Gas)?;
         let snapshots = GasSnapshotReader::open(&path)?;
@@ -172,7 +172,7 @@ impl Results {
         as_ref(self.checkpoints.get_or_init(list)).map(Vec::as_slice)
     }
 
-    /// A checkpoint, whole; `None` if its time does not count, or if an active run has removed it meanwhile.
+    /// A complete checkpoint; `None` if its time is not in the window, or if an active run has removed it meanwhile.
     pub fn checkpoint(&self, path: &Path) -> Result<Option<Checkpoint>, Unmeasured> {
         if !path.exists() {
             return Ok(None);
@@ -181,7 +181,7 @@ impl Results {
         Ok(Some(checkpoint).filter(|found| self.window.holds(found.clock.time())))
     }
 
-    /// The last time of the results, window or not.
+    /// The last time of the results, inside the window or not.
     ///
     /// # Errors
     /// If no file gives it.
@@ -204,13 +204,13 @@ impl Results {
         Ok(Periodicity { lengths: [0, 1, 2].map(length) })
     }
 
-    /// The stages during which results count.
+    /// The stages in the window.
     pub fn stages(&self) -> Result<impl Iterator<Item = &Stage>, Unmeasured> {
         let TimeWindow { from, to } = self.window;
         Ok(self.case()?.stages.iter().filter(move |stage| stage.end > from && stage.start < to))
     }
 
-    /// The part of a full cell of the profiles' grid over which the lowest node averages.
+    /// The fraction of a full cell of the profiles' grid over which the lowest node averages.
     pub fn lowest_node_part(&self) -> Result<f64, Unmeasured> {
         let case = self.case()?;
         let mut gases = case.stages.iter().map(|stage| &stage.physics.gas);
@@ -219,7 +219,7 @@ impl Results {
         Ok(grid.map_or(1.0, |grid| grid.volume_of(0) / grid.cell_volume()))
     }
 
-    /// The path of a file, if it is there.
+    /// The path of a file, if it exists.
     fn file(&self, file: ResultFile) -> Result<PathBuf, Unmeasured> {
         let path = self.folder.join(file.name());
         if path.exists() {

@@ -1,13 +1,13 @@
-//! Spheres by cell, to find overlaps in a time proportional to their number.
+//! Spheres sorted by cell, to find overlaps in a time proportional to their number.
 
 use super::Sphere;
 use crate::domain::Bounds;
 use nalgebra::Vector3;
 
-/// No sphere.
+/// Marks the absence of a sphere.
 const NONE: u32 = u32::MAX;
 
-/// Spheres in cells at least as wide as the largest one; those outside of the box count to its outer cells.
+/// Spheres in cells at least as wide as the largest one; those outside the box belong to its outer cells.
 pub(super) struct Cells<'a> {
     bounds: &'a Bounds,
     counts: [usize; 3],
@@ -16,11 +16,11 @@ pub(super) struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// Empty cells for about so many spheres up to a diameter.
+    /// Empty cells for about this number of spheres up to a diameter.
     pub(super) fn new(bounds: &'a Bounds, largest: f64, spheres: usize) -> Self {
         let mut counts = [0, 1, 2]
             .map(|axis| (bounds.lengths()[axis] / largest).floor().clamp(1.0, 1.0e6) as usize);
-        // Not many more cells than spheres.
+        // There should not be many more cells than spheres.
         while counts.iter().product::<usize>() > 8 * spheres + 1000 {
             let longest = counts.iter().copied().max().unwrap_or(1);
             counts = counts.map(|count| if count == longest { count.div_ceil(2) } else { count });
@@ -28,15 +28,15 @@ impl<'a> Cells<'a> {
         Self { bounds, counts, first: vec![NONE; counts.iter().product()], next: Vec::new() }
     }
 
-    /// Adds the sphere of the next number, from 0.
+    /// Adds the sphere with the next number, from 0.
     pub(super) fn push(&mut self, position: &Vector3<f64>) {
         let cell = self.number_of(self.cell_of(position));
         self.next.push(self.first[cell]);
         self.first[cell] = (self.next.len() - 1) as u32;
     }
 
-    /// The first pair found of this sphere and one in the cells that overlap by more than a part of the
-    /// smaller diameter: number of the other, overlap over that diameter.
+    /// The first pair found of this sphere and one in the cells that overlap by more than a fraction of the smaller
+    /// diameter: number of the other, and overlap over that diameter.
     pub(super) fn overlap(
         &self,
         spheres: &[Sphere],
@@ -62,7 +62,7 @@ impl<'a> Cells<'a> {
         None
     }
 
-    /// Overlap of two spheres, through periodic faces too, over the smaller diameter.
+    /// Overlap of two spheres, also through periodic faces, over the smaller diameter.
     fn relative_overlap(&self, first: &Sphere, second: &Sphere) -> f64 {
         let mut distance = first.position - second.position;
         for axis in 0..3 {
@@ -87,7 +87,7 @@ impl<'a> Cells<'a> {
         cell[0] + self.counts[0] * (cell[1] + self.counts[1] * cell[2])
     }
 
-    /// A cell along an axis, first since it holds most overlaps, and its neighbours, none twice.
+    /// A cell along an axis, which comes first since it contains most overlaps, and its neighbours, each once.
     fn neighbours(&self, axis: usize, cell: usize) -> [Option<usize>; 3] {
         let count = self.counts[axis];
         let periodic = self.bounds.is_periodic(axis);

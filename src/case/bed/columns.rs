@@ -1,10 +1,10 @@
-//! Columns of a file of particles: which ones there are, and how their numbers are read.
+//! Columns of a file of particles, and the reading of their numbers.
 
 use super::BedError;
 use crate::case::suggestion::nearest;
 use std::path::Path;
 
-/// One row: what the file says about a particle.
+/// One row: the data of a particle in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Row {
     /// Line of the file, from 1.
@@ -18,12 +18,12 @@ pub(super) struct Row {
     pub(super) species: Option<usize>,
 }
 
-/// What a column holds.
+/// Contents of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     Id,
     Position(usize),
-    /// Position over the box of the file, whose bounds a dump states.
+    /// Position relative to the box of the file, whose bounds a dump states.
     ScaledPosition(usize),
     Velocity(usize),
     AngularVelocity(usize),
@@ -33,18 +33,18 @@ pub(super) enum Column {
     Species,
     /// Number of the species, from 1.
     Type,
-    /// Not of use here.
+    /// A column that is not used.
     Ignored,
 }
 
-/// The rows of a file, and whether they say velocities.
+/// The rows of a file, and whether they contain velocities.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
     pub(super) rows: Vec<Row>,
     pub(super) have_velocities: bool,
 }
 
-/// A file and a line of it, for errors.
+/// A file and a line in it, for errors.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub(super) file: &'a Path,
@@ -61,12 +61,12 @@ impl At<'_> {
 pub(super) struct Header<'a> {
     names: Vec<&'a str>,
     columns: Vec<Column>,
-    /// The names that a column of species may have.
+    /// The names that may occur in a column of species.
     species: Vec<&'a str>,
 }
 
 impl<'a> Header<'a> {
-    /// A header whose names are among those known; others are ignored or refused.
+    /// A header whose names are among the known ones; others are ignored or rejected.
     pub(super) fn new(
         names: Vec<&'a str>,
         known: &[(&'static str, Column)],
@@ -90,7 +90,7 @@ impl<'a> Header<'a> {
         Ok(header)
     }
 
-    /// The same with these species.
+    /// This header with these species.
     pub(super) fn with_species(self, species: Vec<&'a str>) -> Self {
         Self { species, ..self }
     }
@@ -118,7 +118,7 @@ impl<'a> Header<'a> {
         Ok(())
     }
 
-    /// One row from its fields; scaled positions refer to a box `[axis][lower, upper]`.
+    /// Parses one row from its fields; scaled positions refer to a box `[axis][lower, upper]`.
     pub(super) fn row(
         &self,
         fields: &[&str],
@@ -154,7 +154,7 @@ impl<'a> Header<'a> {
         Ok(row)
     }
 
-    /// The number of a species from its name, or from its number from 1.
+    /// The number of a species from its name, or from its number counted from 1.
     fn species_of(&self, column: Column, field: &str) -> Result<usize, String> {
         let count = self.species.len();
         if column == Column::Type {

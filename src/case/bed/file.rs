@@ -9,12 +9,12 @@ use crate::case::Case;
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// Overlap over the smaller diameter that a file may hold.
+/// Largest overlap in a file, over the smaller diameter.
 const MOST_OVERLAP: f64 = 0.2;
-/// A position more periods away from the box is a mistake.
+/// Largest distance of a position from the box, in periods: a larger one is a mistake.
 const MOST_TURNS: f64 = 1000.0;
 
-/// The bed that a file holds, in the order of ids.
+/// The bed in a file, in the order of ids.
 pub(super) fn read(
     case: &Case,
     file: &Path,
@@ -78,7 +78,7 @@ fn bed_of(
     Ok(bed)
 }
 
-/// A position must not be beyond a face, but for a periodic one.
+/// Requires that a position is not beyond a face, except for a periodic one.
 fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), String> {
     let bounds = &case.domain.bounds;
     for (axis, name) in ['x', 'y', 'z'].into_iter().enumerate() {
@@ -94,7 +94,7 @@ fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), S
     Ok(())
 }
 
-/// Overlaps must be small. `place_of`: where the file has a particle, by its number.
+/// Requires that overlaps are small. `place_of` gives the place of a particle in the file, by its number.
 fn check_overlaps<'a>(
     case: &Case,
     bed: &InitialBed,

@@ -1,4 +1,4 @@
-//! Dumps of LAMMPS and LIGGGHTS in their own text format; the last frame counts.
+//! Dumps of LAMMPS and LIGGGHTS in their own text format; the last frame is used.
 
 use super::BedError;
 use super::columns::{At, Column, Header, Rows};
@@ -36,7 +36,8 @@ struct Frame<'a, Lines: Iterator<Item = (At<'a>, &'a str)>> {
     end: At<'a>,
 }
 
-/// The rows of the last frame of a text, in a bed of so many named species; without any, types mean nothing.
+/// The rows of the last frame of a text, in a bed with this number of named species; without any, types have no
+/// meaning.
 pub(super) fn parse(text: &str, file: &Path, species: usize) -> Result<Rows, BedError> {
     let Some(start) = text.rfind("ITEM: TIMESTEP") else {
         return Err(At { file, line: 1 }.error("this is no dump: there is no line ITEM: TIMESTEP"));

@@ -1,4 +1,4 @@
-//! Layers of a simple cubic lattice, from the bottom up.
+//! Layers of a simple cubic lattice, from the bottom upwards.
 
 use super::super::particles::Amount;
 use super::{BedError, BedPart, Sphere, diameter_of, no_room, too_many};
@@ -6,14 +6,14 @@ use crate::case::Case;
 use crate::numbers::{random_of, uniform};
 use nalgebra::Vector3;
 
-/// Sites that may be skipped behind walls, over particles that are placed.
+/// Ratio of sites that may be skipped behind walls to placed particles.
 const SKIPPED: f64 = 100.0;
-/// What ends within this part of a spacing beyond a bound still ends below it.
+/// Tolerance in units of the spacing: a layer that ends this far beyond a bound counts as ending below it.
 const ROUNDING: f64 = 1.0e-9;
-/// More particles than this are a mistake.
+/// Largest number of particles: a larger one is a mistake.
 const MOST: f64 = 1.0e9;
 
-/// Sites of the lattice: as many per axis as fit, stretched to fill a width.
+/// Sites of the lattice: as many along each axis as fit, stretched to fill a width.
 struct Sites {
     counts: [f64; 3],
     spacings: [f64; 3],
@@ -21,7 +21,7 @@ struct Sites {
 }
 
 /// Spheres of a part of the bed on lattice sites, and their ids. Each is displaced along each axis by up to `jitter` of
-/// half the free gap: less than half of it, so that no two can touch.
+/// half the free gap, so that no two can touch.
 pub(super) fn fill(
     case: &Case,
     spacing: f64,
@@ -58,7 +58,7 @@ pub(super) fn fill(
     }
 }
 
-/// How many particles the case wants, of so many that there is room for.
+/// Number of particles that the case requests, given the number for which there is room.
 fn wanted(case: &Case, room: f64) -> Result<f64, BedError> {
     match case.particles.amount {
         Some(Amount::Count(asked)) if asked as f64 > room => Err(too_many(case, room as u64)),
@@ -72,7 +72,7 @@ fn wanted(case: &Case, room: f64) -> Result<f64, BedError> {
     }
 }
 
-/// Whether a particle of this site, wherever it is displaced to, could touch a wall.
+/// Whether a particle at this site could touch a wall with any of its possible displacements.
 fn behind_wall(case: &Case, site: &Vector3<f64>, radius: f64, displacements: &[f64; 3]) -> bool {
     case.domain.walls.iter().any(|wall| {
         let towards = wall.approach_within(displacements);

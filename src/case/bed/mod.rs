@@ -18,33 +18,33 @@ use nalgebra::Vector3;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Particles that remember nothing.
+/// Particles without contact histories.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InitialBed {
     /// Particles in the order of their ids; positions on the lattice of the box, inside it.
     pub particles: Vec<ParticleRecord>,
 }
 
-/// One of several even parts of a bed: particles in the order of their ids, every `of`-th from `number` on.
+/// One of several equal parts of a bed: particles in the order of their ids, every `of`-th from `number` on.
 #[derive(Clone, Copy, Debug)]
 pub struct BedPart {
-    /// Which part, from 0.
+    /// Number of the part, from 0.
     pub number: usize,
-    /// How many parts there are.
+    /// Number of parts.
     pub of: usize,
 }
 
 impl BedPart {
-    /// All of it.
+    /// The whole bed.
     pub const WHOLE: Self = Self { number: 0, of: 1 };
 
-    /// Whether it holds the particle at this place.
+    /// Whether it contains the particle at this place.
     fn holds(self, place: u64) -> bool {
         place % self.of as u64 == self.number as u64
     }
 }
 
-/// Why there is no initial bed.
+/// Reason why there is no initial bed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BedError {
     /// The file cannot be read.
@@ -52,7 +52,7 @@ pub enum BedError {
     File {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
     /// A line of the file is wrong.
@@ -62,10 +62,10 @@ pub enum BedError {
         file: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
-    /// What the case asks for does not fit, or does not suit the sizes of the particles.
+    /// The requested bed does not fit, or does not suit the sizes of the particles.
     #[error(transparent)]
     Case(#[from] CaseErrors),
     /// The start is the end of another run, which this module cannot read.
@@ -73,19 +73,19 @@ pub enum BedError {
     AnotherRun(PathBuf),
 }
 
-/// Not as many particles fit as the case asks for.
+/// The error that fewer particles fit than the case requests.
 fn too_many(case: &Case, room: u64) -> BedError {
     let message = format!("only {room} fit into the box from such a start");
     case.places.errors([("particles.count", message)]).into()
 }
 
-/// There is no room for such a start.
+/// The error that there is no room for such a start.
 fn no_room(case: &Case, reason: impl Into<String>) -> BedError {
     case.places.errors([("particles.start", reason.into())]).into()
 }
 
 impl InitialBed {
-    /// The sizes that occur; `None` without particles.
+    /// Range of the sizes that occur; `None` without particles.
     pub fn size_range(&self) -> Option<SizeRange> {
         let first = self.particles.first()?;
         let mut range = SizeRange {
@@ -109,8 +109,8 @@ struct Sphere {
     diameter: f64,
 }
 
-/// A part of the initial bed of a case. Of a lattice nothing else is ever held; each sphere at a random place depends
-/// on all before it, and each line of a file may be wrong.
+/// Builds a part of the initial bed of a case. For a lattice only this part is ever stored; each sphere at a random
+/// place depends on all before it, and each line of a file may contain an error.
 pub(super) fn build(case: &Case, part: BedPart) -> Result<InitialBed, BedError> {
     let spheres = match &case.particles.start {
         BedStart::Lattice { spacing, jitter, bottom } => {
@@ -131,7 +131,7 @@ pub(super) fn build(case: &Case, part: BedPart) -> Result<InitialBed, BedError> 
     Ok(InitialBed { particles: records.collect() })
 }
 
-/// A particle at rest, or with the random velocity that the case wants.
+/// A particle at rest, or with the random velocity that the case requests.
 fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
     let bounds = &case.domain.bounds;
     let position = bounds.wrap(bounds.position_quantum().round_vector(sphere.position));
@@ -146,7 +146,7 @@ fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
     }
 }
 
-/// Components normally distributed, their variance the granular temperature.
+/// A velocity with normally distributed components whose variance is the granular temperature.
 fn random_velocity(case: &Case, id: u64) -> [f64; 3] {
     let temperature = case.particles.granular_temperature;
     if temperature == 0.0 {
@@ -156,7 +156,7 @@ fn random_velocity(case: &Case, id: u64) -> [f64; 3] {
     std::array::from_fn(|_| temperature.sqrt() * normal(&mut generator))
 }
 
-/// Diameter of a particle that the case draws.
+/// Diameter that the case draws for a particle.
 fn diameter_of(case: &Case, id: u64) -> Option<f64> {
     case.particles.sizes.as_ref().map(|sizes| sizes.diameter_of(case.particles.seed, id))
 }

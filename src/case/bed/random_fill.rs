@@ -10,10 +10,10 @@ use std::f64::consts::PI;
 
 /// Thickness of a layer in largest diameters.
 const LAYER: f64 = 4.0;
-/// Tries after which a particle has no room.
+/// Number of tries after which there is no room for a particle.
 const TRIES: u32 = 20_000;
 
-/// Spheres at a solids fraction, from the bottom as high as they need to.
+/// Spheres at a solids fraction, from the bottom to the height that they need.
 pub(super) fn fill(
     case: &Case,
     solids_fraction: f64,
@@ -24,7 +24,7 @@ pub(super) fn fill(
     let diameters = diameters(case, per_height, bottom)?;
     let largest = diameters.iter().copied().fold(0.0, f64::max);
     let height = diameters.iter().map(|&diameter| volume_of(diameter)).sum::<f64>() / per_height;
-    // One or few particles in a wide box: their centres need room above the bottom.
+    // For one or few particles in a wide box, centres need room above the bottom.
     let height = height.max(largest);
     let (top, reached) = (bounds.lengths().z, bottom + height);
     if reached > top * (1.0 + 1.0e-9) {
@@ -55,8 +55,8 @@ pub(super) fn fill(
     Ok(spheres)
 }
 
-/// The diameters of all particles: the count that the case wants, or as many as fill the height at so much
-/// volume per height.
+/// The diameters of all particles: the number that the case requests, or as many as fill the height at a given volume
+/// per height.
 fn diameters(case: &Case, per_height: f64, bottom: f64) -> Result<Vec<f64>, BedError> {
     let diameter = |id| diameter_of(case, id).unwrap_or(case.particles.reference_diameter);
     let smallest = case.size_range().map_or(1.0, |sizes| sizes.smallest_diameter);
@@ -92,7 +92,7 @@ fn diameters(case: &Case, per_height: f64, bottom: f64) -> Result<Vec<f64>, BedE
     }
 }
 
-/// A sphere with its centre between two heights that touches no wall and that `is_free` accepts.
+/// A sphere with its centre between two heights that touches no wall and is accepted by `is_free`.
 fn place(
     case: &Case,
     id: u64,

@@ -5,7 +5,7 @@ use super::{absence, allowed};
 use crate::schema::{Allowed, Key, Kind, Merged, Required, Value as Literal, Word, every_key};
 use serde_json::{Map, Value, json};
 
-/// A span of time such as `1d2h3m4s`.
+/// Pattern of a span of time such as `1d2h3m4s`.
 const WALL_TIME: &str = "^\\s*([0-9]+[dhms])+\\s*$";
 
 /// The schema, as the text of a file: draft 7, which Taplo reads.
@@ -37,7 +37,7 @@ fn define(keys: &'static [Key], definitions: &mut Map<String, Value>) {
     }
 }
 
-/// A table with these keys; `complete`: it stands at one place of the file, so that what is required must be there.
+/// A table with these keys; if `complete`, it is at a single place of the file, so that required keys must be there.
 fn table(keys: &'static [Key], complete: bool) -> Value {
     let mut properties = Map::new();
     for key in every_key(keys) {
@@ -64,7 +64,7 @@ fn table(keys: &'static [Key], complete: bool) -> Value {
     schema
 }
 
-/// A key that several words declare, each in its own form.
+/// Adds a key that several words declare, each in its own form.
 fn add_alternative(known: &mut Value, schema: Value) {
     match known.get_mut("anyOf").and_then(Value::as_array_mut) {
         Some(forms) if !forms.contains(&schema) => forms.push(schema),
@@ -108,7 +108,7 @@ fn literal(value: Literal) -> Option<Value> {
     }
 }
 
-/// What a value may be.
+/// Schema of a value.
 fn value(kind: &Kind) -> Value {
     match kind {
         Kind::Text => json!({ "type": "string", "minLength": 1 }),
@@ -178,7 +178,7 @@ fn word(words: &[Word]) -> Value {
     schema
 }
 
-/// Partners do not stand beside each other.
+/// Partners exclude each other.
 fn exclusions(keys: &'static [Key]) -> Vec<Value> {
     let mut pairs: Vec<[&str; 2]> = Vec::new();
     for key in every_key(keys) {
@@ -193,11 +193,11 @@ fn exclusions(keys: &'static [Key]) -> Vec<Value> {
     pairs.iter().map(|pair| json!({ "not": { "required": pair } })).collect()
 }
 
-/// What must be there: each key, or one of its partners.
+/// Requirements: each required key, or one of its partners.
 fn requirements(keys: &[Key]) -> Vec<Value> {
     let required = keys.iter().filter_map(|key| match key.required {
         Required::Always => Some((key, &[][..])),
-        // The first stage may give it as well.
+        // The first stage may also give it.
         Required::AtStart => Some((key, &["stage"][..])),
         _ => None,
     });
@@ -217,7 +217,7 @@ fn requirements(keys: &[Key]) -> Vec<Value> {
     rules.collect()
 }
 
-/// If a word is chosen: keys that it has no use for, and in a complete table those that it requires.
+/// Conditions for each word: keys that are not used with it, and in a complete table those that it requires.
 fn choices(key: &'static Key, keys: &'static [Key], complete: bool) -> Vec<Value> {
     let words = key.kind.words();
     let brought = || words.iter().flat_map(|word| every_key(word.keys));
@@ -225,7 +225,7 @@ fn choices(key: &'static Key, keys: &'static [Key], complete: bool) -> Vec<Value
         return Vec::new();
     }
     let of = |word: &'static Word| {
-        // Another key of the section may bring it too.
+        // Another key of the section may also bring it.
         let others = keys.iter().filter(|other| other.name != key.name);
         let allowed: Vec<&str> = every_key(word.keys)
             .into_iter()

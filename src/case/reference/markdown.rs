@@ -109,7 +109,7 @@ fn add_words(text: &mut String, explained: &[Explained]) {
     }
 }
 
-/// Rows of keys; neighbours that differ in their names alone share one.
+/// Rows of keys; neighbours that differ only in their names share one.
 fn add_keys(text: &mut String, group: &Group, selector: Option<&str>) {
     let column = selector.map_or(String::new(), |key| format!(" of `{key}` |"));
     let _ = writeln!(text, "\n| key |{column} unit | meaning | allowed | default |");

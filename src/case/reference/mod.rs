@@ -1,4 +1,5 @@
-//! The tables of the case file for people and for editors: the manual, a list in the terminal, a JSON schema.
+//! Documentation of the tables of the case file, for people and for editors: the manual, a list in the terminal, a JSON
+//! schema.
 
 mod json;
 mod markdown;
@@ -12,7 +13,7 @@ use super::allowed_values::description;
 use super::schema::{CHAPTERS, Chapter};
 use crate::schema::{Allowed, Key, Kind, Required, Word};
 
-/// What a key allows, without its default.
+/// The allowed values of a key, without its default.
 fn allowed(kind: &Kind) -> String {
     match kind {
         Kind::Table(_) => "a table, see below".to_owned(),
@@ -35,7 +36,7 @@ fn allowed(kind: &Kind) -> String {
     }
 }
 
-/// What happens if a key is left out.
+/// Effect of leaving out a key.
 fn absence(key: &Key) -> String {
     let default = key.default.map(|default| match default.printed {
         Some(_) => format!("{} (printed)", default.value),
@@ -64,22 +65,22 @@ fn absence(key: &Key) -> String {
     default.unwrap_or(needed)
 }
 
-/// Whether a key of a section is a section that the manual shows by itself.
+/// Whether a key of a section is a section with its own chapter in the manual.
 fn has_chapter(section: &str, key: &Key) -> bool {
     let path =
         if section.is_empty() { key.name.to_owned() } else { format!("{section}.{}", key.name) };
     CHAPTERS.iter().any(|chapter| !chapter.path.is_empty() && chapter.path == path)
 }
 
-/// A table of keys: those of a section itself, those that a word of it brings, or those of a table in braces.
+/// A table of keys: those of a section itself, those brought by one of its words, or those of a table in braces.
 struct Group {
-    /// What the keys belong to.
+    /// Owner of the keys.
     of: Owner,
-    /// Each with the words that bring it; none if all of the group do.
+    /// Each key with the words that bring it; without words if all of the group do.
     keys: Vec<(&'static Key, Vec<&'static str>)>,
 }
 
-/// What a group of keys belongs to.
+/// Owner of a group of keys.
 enum Owner {
     Section,
     /// One word, or several words that share keys, of a key.
@@ -87,11 +88,11 @@ enum Owner {
         key: &'static str,
         word: Option<&'static str>,
     },
-    /// Tables that stand as values of these keys.
+    /// Tables that are values of these keys.
     Tables(Vec<&'static str>),
 }
 
-/// The tables of keys of a section, in the order in which they are shown.
+/// The tables of keys of a section, in the order in which they are printed.
 fn groups(chapter: &Chapter) -> Vec<Group> {
     let mut found = Vec::new();
     let own = chapter.keys.iter().filter(|key| !has_chapter(chapter.path, key));
@@ -136,7 +137,7 @@ fn add_groups(
     }
 }
 
-/// The keys that words of a key bring: together if words share keys, otherwise word by word.
+/// Adds the keys brought by the words of a key: together if words share keys, otherwise word by word.
 fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
     let choices = key.kind.words();
     let mut shared: Vec<(&'static Key, Vec<&'static str>)> = Vec::new();
@@ -165,7 +166,7 @@ struct Explained {
     choices: &'static [Word],
 }
 
-/// The words of a group that have a meaning to show, but those that groups before have shown.
+/// The words of a group whose meaning is to be explained, except for those explained by earlier groups.
 fn explained(groups: &[Group], number: usize) -> Vec<Explained> {
     let words_of =
         |group: &Group| group.keys.iter().map(|(key, _)| key.kind.words()).collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! Keys as the terminal shows them.
+//! Description of keys in the terminal.
 
 use super::super::schema::{CHAPTERS, Chapter};
 use super::super::suggestion::nearest;
@@ -6,18 +6,18 @@ use super::{Explained, Group, Owner, absence, allowed, explained, groups};
 use std::fmt::Write;
 use thiserror::Error;
 
-/// No section, and no key of a section, has the name that was asked for.
+/// The requested name is neither that of a section nor of a key of a section.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no section or key {name:?}: {advice}")]
 pub struct UnknownSection {
-    /// What was asked for.
+    /// The requested name.
     pub name: String,
-    /// What may have been meant.
+    /// Suggestions of similar names.
     pub advice: String,
 }
 
-/// The keys of a section, with unit, range, default and meaning; of all sections if none is named. Behind the section
-/// may stand one of its keys, or a word that brings keys: `gas.drag`, `measure.stress`.
+/// The keys of a section, with unit, range, default and meaning; of all sections if none is named. The section may be
+/// followed by one of its keys, or a word that brings keys: `gas.drag`, `measure.stress`.
 ///
 /// # Errors
 /// If there is no such section, key or word.
@@ -52,7 +52,7 @@ pub fn terminal(section: Option<&str>) -> Result<String, UnknownSection> {
     }
 }
 
-/// Path of a section; of what is none, its title in one word.
+/// Path of a section; for the top level, its title in one word.
 fn name_of(chapter: &Chapter) -> &str {
     match (chapter.path, chapter.title) {
         ("", "Schedules") => "schedules",
@@ -61,7 +61,7 @@ fn name_of(chapter: &Chapter) -> &str {
     }
 }
 
-/// A section, and its keys and the words that bring keys behind it.
+/// The name of a section, and those of its keys and of words that bring keys, prefixed by it.
 fn names_in(chapter: &Chapter) -> Vec<String> {
     let section = name_of(chapter);
     let groups = groups(chapter);
@@ -72,10 +72,10 @@ fn names_in(chapter: &Chapter) -> Vec<String> {
     names
 }
 
-/// A key of a section, or the keys that a word brings; none if there are none.
+/// A key of a section, or the keys that a word brings; `None` if there are none.
 fn show_part(chapter: &Chapter, part: &str) -> Option<String> {
     let mut groups = groups(chapter);
-    // A group stands behind the one of the key whose words bring it.
+    // A group follows that of the key whose words bring it.
     let mut brought = Vec::new();
     for group in &mut groups {
         let belongs = match &group.of {

@@ -4,7 +4,7 @@ use super::contact::AT_WALL;
 use super::{Chapter, merged};
 use crate::schema::{Allowed, Key, Kind, Value, Word};
 
-/// What a face of the box does to particles.
+/// Effect of a face of the box on particles.
 const FACES: &[Word] = &[
     Word::new(
         "periodic",

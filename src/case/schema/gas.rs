@@ -86,7 +86,7 @@ const COMPRESSIBLE: &[Key] = &[Key::number(
 )
 .unit("stress")];
 
-/// A column of gas.
+/// Keys of the column gas.
 const COLUMN: &[Key] = &[
     Key::number(
         "spacing",
@@ -122,7 +122,7 @@ const COLUMN: &[Key] = &[
         .printed(Value::Word("full_cell"), "phi is halved in the node on the plate"),
 ];
 
-/// What a face of the box does to the gas.
+/// Boundary conditions of the gas at a face of the box.
 const FACES: &[Word] = &[
     Word::new(
         "no_slip",
@@ -184,7 +184,7 @@ const AGGLOMERATES: &[Key] = &[
     .default(Value::Count(2)),
 ];
 
-/// A volume-averaged gas.
+/// Keys of the volume-averaged gas.
 const VOLUME_AVERAGED: &[Key] = &[
     Key::number("density", Allowed::POSITIVE, "Density of the gas").unit("mass/volume"),
     Key::new(

@@ -1,4 +1,4 @@
-//! `[measure.NAME]`: what is measured during the run. The kinds are those of the registry in `src/measures`.
+//! `[measure.NAME]`: measures of the run. The kinds are those of the registry in `src/measures`.
 
 use super::Chapter;
 use crate::measures::MeasureKind;

@@ -24,12 +24,12 @@ pub(super) use time::{STAGE, TIME};
 use crate::contact::COARSE_GRAINING;
 use crate::schema::{Key, Kind, Merged, SIGNED_SCHEDULE, Word};
 
-/// One section as the manual shows it.
+/// One section of the manual.
 #[derive(Debug)]
 pub(super) struct Chapter {
     /// Path of the section; empty for the top level of the file.
     pub(in crate::case) path: &'static str,
-    /// What the section is about, as a part of its heading; empty if its name says it.
+    /// Subject of the section, as a part of its heading; empty if its name is clear.
     pub(in crate::case) title: &'static str,
     /// Its keys.
     pub(in crate::case) keys: &'static [Key],

@@ -1,4 +1,4 @@
-//! `[output]`, `[checkpoint]`, `[run]` and `[parallel]`: nothing that changes the physics.
+//! `[output]`, `[checkpoint]`, `[run]` and `[parallel]`: sections that do not change the physics.
 
 use super::Chapter;
 use crate::schema::{Allowed, Key, Kind, Value, Word};

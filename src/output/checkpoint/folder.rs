@@ -1,4 +1,4 @@
-//! The checkpoints of a folder: which is the newest that can be used, and which are too many.
+//! The checkpoints of a folder: the newest one that can be used, and the surplus ones.
 
 use std::path::{Path, PathBuf};
 
@@ -9,15 +9,15 @@ use crate::output::checksum::{self, Refusal};
 use crate::output::{MessageResult, OutputError, Provenance, is_error_of_system, on_root};
 use crate::parallel::Communicator;
 
-/// What is appended to the name of a checkpoint of another future.
+/// Suffix appended to the name of a checkpoint that belongs to another future.
 const SUPERSEDED: &str = ".superseded";
 
-/// What a search for checkpoints found.
+/// Result of a search for checkpoints.
 #[derive(Debug)]
 pub struct Search {
-    /// The newest good checkpoint: its file, this rank's share, who wrote it, and its digest.
+    /// The newest good checkpoint: its file, this rank's share, its provenance, and its digest.
     pub found: Option<(PathBuf, Checkpoint, Provenance, Digest)>,
-    /// Newer files that had to be refused, and why; newest first.
+    /// Newer files that had to be rejected, with the reasons; newest first.
     pub refused: Vec<OutputError>,
 }
 
@@ -39,8 +39,8 @@ pub(crate) fn is_checkpoint(name: &str) -> bool {
     ["", ".partial", SUPERSEDED].into_iter().any(of_suffix)
 }
 
-/// Name under which the state at the end of a stage is kept: `stage-1-settle.h5`; stages count from 1, and what may not stand in
-/// every file name becomes `_`.
+/// Name under which the state at the end of a stage is kept: `stage-1-settle.h5`; stages count from 1, and characters
+/// that are not allowed in every file name become `_`.
 pub fn stage_file_name(number: usize, name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
     format!("stage-{number}-{}.h5", name.chars().map(plain).collect::<String>())
@@ -56,7 +56,7 @@ pub(crate) fn is_stage_end(name: &str) -> bool {
     inner.is_some_and(is_numbered)
 }
 
-/// Keeps a checkpoint under a further name, beyond the reach of [`prune`]. Collective.
+/// Keeps a checkpoint under a further name, which [`prune`] does not touch. Collective.
 ///
 /// # Errors
 /// If it can neither be linked nor copied.
@@ -64,7 +64,7 @@ pub fn keep_as(path: &Path, name: &str, ranks: &dyn Communicator) -> Result<(), 
     on_root(path, ranks, || {
         let kept = path.with_file_name(name);
         let partial = path.with_file_name(format!("{name}.partial"));
-        // What an earlier attempt has left.
+        // A file left by an earlier attempt.
         let _ = std::fs::remove_file(&partial);
         // Not every file system has links.
         std::fs::hard_link(path, &partial)
@@ -75,12 +75,10 @@ pub fn keep_as(path: &Path, name: &str, ranks: &dyn Communicator) -> Result<(), 
     Ok(())
 }
 
-/// Reads the newest checkpoint of a folder that is whole, trying from the newest to the oldest.
-/// Collective.
+/// Reads the newest complete checkpoint of a folder, trying from the newest to the oldest. Collective.
 ///
 /// # Errors
-/// If the folder, or a file in it, cannot be read. Damaged checkpoints are not an error; they are named in what is
-/// returned.
+/// If the folder, or a file in it, cannot be read. Damaged checkpoints are not an error; they are named in the result.
 pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, OutputError> {
     let steps = on_root(folder, ranks, || steps_in(folder))?.unwrap_or_default();
     let mut bytes: Vec<u8> = bytemuck::cast_slice(&steps).to_vec();
@@ -92,7 +90,7 @@ pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, Ou
         let read = match checksum::check(&path, ranks) {
             Ok(()) => read_whole(&path, ranks),
             Err(Refusal::Damaged(error)) => Err(error),
-            // It may be good, and must not be passed over.
+            // It may be good, and must not be skipped.
             Err(Refusal::Unreadable(error)) => return Err(error),
         };
         match read {
@@ -107,11 +105,11 @@ pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, Ou
     Ok(Search { found: None, refused })
 }
 
-/// Removes all but the newest `keep` checkpoints of a folder (at least one stays), and what an interrupted
-/// writing left. Collective.
+/// Removes all except the newest `keep` checkpoints of a folder (at least one is kept), and remains of interrupted
+/// writing. Collective.
 ///
 /// # Errors
-/// If the folder cannot be read or a file not removed.
+/// If the folder cannot be read or a file cannot be removed.
 pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(), OutputError> {
     on_root(folder, ranks, || {
         let steps = steps_in(folder)?;
@@ -128,11 +126,11 @@ pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(),
     Ok(())
 }
 
-/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that continues from there comes to
-/// another future, which they must not be taken for. Collective.
+/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that continues from this step leads to
+/// another future, to which they do not belong. Collective.
 ///
 /// # Errors
-/// If the folder cannot be read or a file not renamed.
+/// If the folder cannot be read or a file cannot be renamed.
 pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(), OutputError> {
     on_root(folder, ranks, || {
         for later in steps_in(folder)?.into_iter().filter(|&later| later > step) {

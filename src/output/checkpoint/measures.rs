@@ -1,7 +1,8 @@
-//! What measures keep in a checkpoint: `/measures/NAME/TABLE`, tables of 64-bit words.
+//! Data of measures in a checkpoint: `/measures/NAME/TABLE`, tables of 64-bit words.
 //!
-//! They are no part of the state: the digest does not see them. Rows are sorted by their first two words, so that the
-//! file shows no trace of ranks. An older program does not know `[measure]` and refuses the case in such a checkpoint.
+//! They are not part of the state, and the digest does not include them. Rows are sorted by their first two words, so
+//! that the file does not depend on the ranks. An older program does not know `[measure]` and rejects the case in such
+//! a checkpoint.
 
 use crate::measures::{MeasureState, Stored, StoredTable, WIDEST};
 use crate::output::hdf5_file::{SerialFile, SharedFile};
@@ -26,7 +27,7 @@ pub(super) fn row_counts(measures: &[MeasureState], ranks: &dyn Communicator) ->
     counts.into_iter().map(|count| count as u64).collect()
 }
 
-/// Makes the datasets; for rank 0.
+/// Makes the datasets; called on rank 0.
 pub(super) fn make(
     file: &SerialFile,
     measures: &[MeasureState],
@@ -62,7 +63,7 @@ fn split(names: &str) -> impl Iterator<Item = &str> {
     names.split(',').filter(|name| !name.is_empty())
 }
 
-/// Writes all ranks' rows. Collective.
+/// Writes the rows of all ranks. Collective.
 pub(super) fn write(
     file: &SharedFile<'_>,
     measures: &[MeasureState],
@@ -76,7 +77,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// Sorting moves records of a size that is known to the compiler.
+/// Writes a table; the sort moves records whose size is known to the compiler.
 fn write_table(
     file: &SharedFile<'_>,
     path: &str,
@@ -109,7 +110,7 @@ where
     let records: Vec<[u64; ROOM]> = table.words.chunks_exact(table.width).map(padded).collect();
     let dataset = file.dataset(path)?;
     let mut written = Ok(());
-    // Also after an error, for the sake of the other ranks.
+    // This is also done after an error, because the other ranks take part.
     sort_by_id_in_chunks(
         &records,
         |record| [record[0], record[1]],
@@ -126,15 +127,15 @@ where
     file.agreed(written)
 }
 
-/// What a checkpoint keeps of a measure, without rows.
+/// Data of a measure in a checkpoint, without rows.
 pub(super) struct MeasureHead {
     name: String,
     settings: String,
-    /// Name, width and rows of each table.
+    /// Name, width and number of rows of each table.
     tables: Vec<(String, usize, u64)>,
 }
 
-/// The heads of the measures in a file; none in one without measures.
+/// The heads of the measures in a file; empty for a file without measures.
 pub(super) fn read_heads(file: &SerialFile) -> MessageResult<Vec<MeasureHead>> {
     let Ok(names) = file.text(GROUP, "names") else { return Ok(Vec::new()) };
     let head = |name: &str| -> MessageResult<MeasureHead> {
@@ -154,7 +155,7 @@ pub(super) fn read_heads(file: &SerialFile) -> MessageResult<Vec<MeasureHead>> {
     split(&names).map(head).collect()
 }
 
-/// Reads this rank's rows: `share_of` says which of so many. Collective.
+/// Reads this rank's rows: `share_of` gives its share of a number of rows. Collective.
 pub(super) fn read(
     file: &SharedFile<'_>,
     heads: Vec<MeasureHead>,

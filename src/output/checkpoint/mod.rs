@@ -1,8 +1,8 @@
-//! Checkpoints: one HDF5 file with all that the future of a run depends on, written by all ranks, read
-//! by any number of ranks.
+//! Checkpoints: one HDF5 file with all data on which the future of a run depends, written by all ranks, and read by any
+//! number of ranks.
 //!
-//! Never in it: ghosts, neighbour lists, the decomposition of the box, or anything that follows from the rest. Rows
-//! are sorted by id, so that the file does not depend on the number of ranks.
+//! It never contains ghosts, neighbour lists, the decomposition of the box, or any derived data. Rows are sorted by id,
+//! so that the file does not depend on the number of ranks.
 
 use crate::analysis::{Digest, Pair, StateRecords};
 use crate::measures::MeasureState;
@@ -23,19 +23,19 @@ pub(crate) use folder::{is_checkpoint, is_stage_end};
 pub use read::read;
 pub use write::write;
 
-/// One rank's part of a state, and what the run was started with. Particles are records that are there, or that are
+/// One rank's part of a state, and the case with which the run was started. Particles are records that are stored, or
 /// made while they are written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint<P = Vec<ParticleRecord>> {
     /// Time.
     pub clock: Clock,
-    /// What has left the box.
+    /// Particles that have left the box.
     pub departed: Departed,
     /// Sizes of the particles at the start.
     pub sizes: SizeRange,
     /// Text of the case in effect.
     pub case_text: String,
-    /// Folder that relative paths in the case refer to.
+    /// Folder for relative paths in the case.
     pub case_folder: String,
     /// This rank's particles, in any order; positions wrapped into the box.
     pub particles: P,
@@ -45,24 +45,24 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub contacts: Vec<ContactRecord>,
     /// Histories of contacts with walls, each on one rank, in any order.
     pub wall_contacts: Vec<WallContactRecord>,
-    /// Cells of a volume-averaged gas, each on one rank, in any order; none without such a gas.
+    /// Cells of a volume-averaged gas, each on one rank, in any order; empty without such a gas.
     pub cells: Vec<CellRecord>,
-    /// How the last step of that gas went.
+    /// Report on the last step of that gas.
     pub gas_report: GasReport,
-    /// Pairs that touched at the last search for agglomerates, if drag follows from them: each on one rank, in any order.
+    /// Pairs that touched at the last search for agglomerates, if drag depends on them: each on one rank, in any order.
     pub looked_at: Option<Vec<Pair>>,
-    /// The ledger of energies, if one is kept. It is no part of the state, nor of its digest.
+    /// The energy ledger, if one is kept. It is not part of the state or of its digest.
     pub energy: Option<StoredLedger>,
-    /// What measures keep; the digest does not see it.
+    /// Data of measures; the digest does not include them.
     pub measures: Vec<MeasureState>,
 }
 
-/// A ledger of energies as it is stored.
+/// An energy ledger in its stored form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredLedger {
-    /// The integers of its exact sums: those of this rank, or of all ranks on rank 0 and none elsewhere.
+    /// The integers of its exact sums: those of this rank, or those of all ranks on rank 0 and none elsewhere.
     pub sums: Vec<i64>,
-    /// What was stored when it was opened.
+    /// Energy stored by the particles when it was opened.
     pub start: StoredEnergy,
 }
 

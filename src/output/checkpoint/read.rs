@@ -1,4 +1,4 @@
-//! From a file to ranks, and only if it is what was written.
+//! Reading of a checkpoint from a file, only if it is exactly what was written.
 
 use std::ops::Range;
 use std::path::Path;
@@ -17,36 +17,36 @@ use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, W
 use crate::particles::OwnFields;
 use crate::state::{Clock, Departed, GasReport, SizeRange, StoredEnergy};
 
-/// What stands in a checkpoint beside its rows.
+/// Contents of a checkpoint besides its rows.
 struct Head {
-    /// Without rows.
+    /// The checkpoint without rows.
     checkpoint: Checkpoint,
     provenance: Provenance,
     digest: String,
-    /// Version of the schema that it was written by.
+    /// Version of the schema with which it was written.
     version: u64,
     particles: TableInFile,
     contacts: TableInFile,
     wall_contacts: TableInFile,
-    /// None without a gas that has cells.
+    /// `None` without a gas that has cells.
     cells: Option<TableInFile>,
-    /// None where drag does not follow from agglomerates.
+    /// `None` if drag does not depend on agglomerates.
     looked_at: Option<TableInFile>,
     measures: Vec<MeasureHead>,
 }
 
-/// The rows of a record in a file, and which fields they have.
+/// The rows of a record in a file, and the fields that it has.
 struct TableInFile {
     rows: u64,
     fields: FieldsInFile,
 }
 
-/// Reads a checkpoint, on each rank an even share of its rows; returns also who wrote it, and the
-/// digest of the state. Collective.
+/// Reads a checkpoint, on each rank an even share of its rows; also returns its provenance and the digest of the state.
+/// Collective.
 ///
 /// # Errors
-/// If the file is missing, empty, cut short, damaged, not a checkpoint, of a newer schema, or
-/// if the state in it is not the one whose digest it names.
+/// If the file is missing, empty, truncated, damaged, not a checkpoint, of a newer schema, or if the state in it does
+/// not have the digest that it names.
 pub fn read(
     path: &Path,
     ranks: &dyn Communicator,
@@ -119,7 +119,7 @@ fn read_head(path: &Path) -> MessageResult<Head> {
     Ok(head)
 }
 
-/// Everything but the rows.
+/// Reads everything except the rows.
 fn read_small(file: &SerialFile, particles: u64) -> MessageResult<Checkpoint> {
     let case_text = file.text("/", "case")?;
     if file.text("/", "case_blake3")? != blake3::hash(case_text.as_bytes()).to_hex().as_str() {
@@ -164,13 +164,14 @@ fn read_counters(file: &SerialFile) -> Departed {
             CounterValue::Integer(_) => file.number(group, name).map(CounterValue::Integer),
             CounterValue::Number(_) => file.number(group, name).map(CounterValue::Number),
         };
-        // A counter that is younger than the file has counted nothing.
+        // A counter that is newer than the file is zero.
         value.into_iter().for_each(|value| (counter.set)(&mut counters, value));
     }
     counters
 }
 
-/// Custom fields in a file, as far as it says what they are; how they travel the run that has registered them knows.
+/// Custom fields in a file, as far as the file describes them; their travel is known only to the run that has
+/// registered them.
 fn own_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
     let field = |name: String| {
         let path = path_of::<ParticleRecord>(&name);
@@ -181,7 +182,7 @@ fn own_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
             shape => return Err(format!("{path} has the shape {shape:?}: it is no field")),
         };
         let (unit, meaning) = (file.unit(&path)?, file.description(&path)?);
-        // Names of fields live as long as the program; a file has few.
+        // Names of fields live as long as the program; a file has only a few.
         let [name, unit, meaning] = [name, unit, meaning].map(|text| &*text.leak());
         Ok(Field::new(name, kind, Unit::Named(unit), meaning))
     };
@@ -225,7 +226,7 @@ fn read_provenance(file: &SerialFile) -> MessageResult<Provenance> {
     })
 }
 
-/// The rows and fields of a record; all its datasets must have as many rows, and their widths.
+/// The rows and fields of a record; all its datasets must have the same number of rows, and the right widths.
 fn table_in_file<R: Record>(file: &SerialFile) -> MessageResult<TableInFile> {
     let fields = fields_in_file::<R>(file)?;
     let (rows, _) = file.shape(&path_of::<R>(R::IDS[0].name))?;
@@ -246,7 +247,7 @@ fn table_if_there<R: Record>(file: &SerialFile) -> MessageResult<Option<TableInF
     is_there.then(|| table_in_file::<R>(file)).transpose()
 }
 
-/// This rank's even share of so many rows.
+/// This rank's even share of a number of rows.
 fn share_of(total: u64, ranks: &dyn Communicator) -> Range<u64> {
     let begin_of = |rank: usize| (u128::from(total) * rank as u128 / ranks.size() as u128) as u64;
     begin_of(ranks.rank())..begin_of(ranks.rank() + 1)

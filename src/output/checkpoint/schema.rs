@@ -1,4 +1,4 @@
-//! What stands where in a checkpoint: a dataset for each id and each field of a record, and one for each of the custom fields.
+//! Layout of a checkpoint: a dataset for each id and each field of a record, and one for each of the custom fields.
 
 use crate::analysis::Pair;
 use crate::fields::{Field, Id, Record, groups};
@@ -7,21 +7,22 @@ use crate::output::hdf5_file::SerialFile;
 use crate::parallel::{Communicator, ParticleRecord, Records};
 use crate::particles::OwnFields;
 
-/// What the root's attribute `format` says.
+/// Value of the root's attribute `format`.
 pub(super) const FORMAT: &str = "talcum checkpoint";
-/// Version of this schema. A change that older programs would misread raises it; what a file has is read off the file itself.
+/// Version of this schema. A change that older programs would misread increases it; the contents of a file are
+/// determined from the file itself.
 ///
 /// 2: rolling angles of contacts, and a volume-averaged gas.
-/// 3: the digest adds hashes by XXH3; those of earlier versions cannot be found again.
-/// 4: twisting angles of contacts, and a ledger of energies.
-/// 5: species, where there are several.
-/// 6: agglomerates of particles, where drag follows from them.
-/// 7: any field that not every run has is left out where it is zero; custom fields.
+/// 3: the digest adds hashes by XXH3; those of earlier versions cannot be reproduced.
+/// 4: twisting angles of contacts, and an energy ledger.
+/// 5: species, if there are several.
+/// 6: agglomerates of particles, if drag depends on them.
+/// 7: any field that not every run has is left out if it is zero; custom fields.
 pub(super) const VERSION: u64 = 7;
-/// The first version whose digests are those of today.
+/// The first version whose digests are the present ones.
 pub(super) const FIRST_WITH_DIGEST: u64 = 3;
 
-/// The sums of a ledger of energies.
+/// The sums of an energy ledger.
 pub(super) const LEDGER: &str = "/energy/work";
 
 impl Record for Pair {
@@ -49,7 +50,8 @@ pub(super) fn has(file: &SerialFile, group: &str, name: &str) -> bool {
     file.names(group).is_ok_and(|names| names.iter().any(|other| other == name))
 }
 
-/// The fields that every run has, and those that come together and of which one is not zero on some rank. Collective.
+/// The fields that every run has, and the groups of fields that come together with a value that is not zero on some
+/// rank. Collective.
 pub(super) fn fields_in_use<R: Record>(
     records: &impl Records<R>,
     ranks: &dyn Communicator,
@@ -78,7 +80,7 @@ pub(super) fn fields_in_use<R: Record>(
     (0..places.len()).filter(|&field| is_in_use(field)).map(|field| places[field]).collect()
 }
 
-/// Custom fields of which one number is not zero on some rank. Collective.
+/// Custom fields with a value that is not zero on some rank. Collective.
 pub(super) fn own_fields_in_use(own: &OwnFields, ranks: &dyn Communicator) -> Vec<usize> {
     let is_used = |field| own.column(field).iter().any(|number| number.to_bits() != 0);
     let mut used: Vec<i64> = (0..own.fields.len()).map(|field| i64::from(is_used(field))).collect();
@@ -86,7 +88,7 @@ pub(super) fn own_fields_in_use(own: &OwnFields, ranks: &dyn Communicator) -> Ve
     (0..used.len()).filter(|&field| used[field] != 0).collect()
 }
 
-/// The fields of a record that a file has: all that every run has must be there.
+/// The fields of a record that a file has; all fields that every run has must be there.
 pub(super) fn fields_in_file<R: Record>(file: &SerialFile) -> MessageResult<FieldsInFile> {
     let names = file.names(R::GROUP)?;
     let is_there = |field: &Field| names.iter().any(|name| name == field.name);
@@ -97,7 +99,7 @@ pub(super) fn fields_in_file<R: Record>(file: &SerialFile) -> MessageResult<Fiel
     Ok(R::places().filter(|(_, field)| is_there(field)).collect())
 }
 
-/// Names of datasets of particles that are none of the built-in fields: custom fields.
+/// Names of datasets of particles that are not built-in fields: custom fields.
 pub(super) fn own_names(file: &SerialFile) -> MessageResult<Vec<String>> {
     let mut names = file.names(ParticleRecord::GROUP)?;
     let is_built_in = |name: &String| {

@@ -1,4 +1,4 @@
-//! From ranks to a file that is either whole or not there.
+//! Writing of a checkpoint to a file that is either complete or absent.
 
 use std::panic::resume_unwind;
 use std::path::Path;
@@ -23,15 +23,15 @@ use crate::parallel::{
 };
 use crate::state::{Departed, StoredEnergy};
 
-/// Between two syncs of a file that is being written; short beside the time in which a disk writes much.
+/// Pause between two syncs of a file that is being written; short relative to the time in which a disk writes much.
 const PAUSE_OF_SYNCING: Duration = Duration::from_millis(50);
 
-/// Writes all ranks' shares as one checkpoint and returns the digest of the state. The file is written
-/// beside its place under the name `<path>.partial`, brought to the disk, and renamed at last: whenever the
-/// program is killed, `path` is what it was before or complete. Collective.
+/// Writes the shares of all ranks as one checkpoint and returns the digest of the state. The file is written next to
+/// its final place under the name `<path>.partial`, synced to the disk, and then renamed: whenever the program is
+/// killed, `path` is either unchanged or complete. Collective.
 ///
 /// # Errors
-/// If the file cannot be written; then `path` is untouched.
+/// If the file cannot be written; `path` is then unchanged.
 pub fn write(
     path: &Path,
     checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
@@ -98,8 +98,8 @@ pub fn write(
     Ok(digest)
 }
 
-/// Does some writing while a thread brings to the disk, over and over, what was written so far: otherwise the disk
-/// would idle until all is written. The thread speaks to no other rank.
+/// Writes while a thread repeatedly syncs to the disk what has been written so far; otherwise the disk would be idle
+/// until everything is written. The thread does not communicate with other ranks.
 fn while_syncing<T>(path: &Path, write: impl FnOnce() -> T) -> (T, MessageResult<()>) {
     let (writing, wait) = channel::<()>();
     let sync = move || -> std::io::Result<()> {
@@ -110,7 +110,7 @@ fn while_syncing<T>(path: &Path, write: impl FnOnce() -> T) -> (T, MessageResult
         Ok(())
     };
     std::thread::scope(|scope| {
-        // Where no thread can be had, the file is brought to the disk at the end only.
+        // If no thread can be started, the file is synced to the disk only at the end.
         let syncing = std::thread::Builder::new().spawn_scoped(scope, sync);
         let written = write();
         drop(writing);
@@ -165,7 +165,7 @@ fn write_head(
     ["/particles", "/contacts", "/wall_contacts"].iter().try_for_each(|name| file.make_group(name))
 }
 
-/// The ledger of energies, of all ranks.
+/// Writes the energy ledger of all ranks.
 fn write_ledger(
     file: &SerialFile,
     start: Option<&StoredEnergy>,
@@ -224,7 +224,7 @@ fn write_table<R: Record>(
     };
     let ids_of = |record: &R| [id(record, 0), id(record, 1)];
     let mut errors = Vec::new();
-    // Also after an error, for the sake of the other ranks.
+    // This is also done after an error, because the other ranks take part.
     sort_by_id_in_chunks(records, ids_of, ranks, |rows| {
         errors.extend(write_rows(&datasets, &rows, fields).err())
     });
@@ -253,7 +253,7 @@ fn write_rows<R: Record>(
     written
 }
 
-/// The numbers of a field. The compiler knows how many a row has, so that it copies them without a call.
+/// The numbers of a field. The compiler knows the number of values in a row, so that it copies them without a call.
 fn numbers_of<R: Record, const WIDTH: usize>(place: usize, records: &[R]) -> Vec<f64> {
     let mut rows = vec![[0.0; WIDTH]; records.len()];
     for (row, record) in rows.iter_mut().zip(records) {

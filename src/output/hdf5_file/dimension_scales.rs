@@ -1,5 +1,5 @@
-//! Dimension scales, as the HDF5 library's H5DS lays them down: by them readers such as xarray and h5py know which dataset holds
-//! the times or heights of a table's rows and columns.
+//! Dimension scales, as defined by H5DS of the HDF5 library: they tell readers such as xarray and h5py which dataset
+//! holds the times or heights of a table's rows and columns.
 //!
 //! Specification: HDF5 Dimension Scale Specification and Design Notes, The HDF Group (2005).
 
@@ -13,13 +13,13 @@ use hdf5_sys::h5p::H5P_DEFAULT;
 use hdf5_sys::h5s::{H5S_class_t, H5Sclose, H5Screate};
 use hdf5_sys::h5t::{H5T_str_t, H5Tset_strpad};
 
-/// What makes a dataset a scale.
+/// Value of the attribute that makes a dataset a scale.
 const CLASS: &[u8; 16] = b"DIMENSION_SCALE\0";
 
-/// A table, with the scales of its first dimensions; the others have none.
+/// A table, with the scales of its first dimensions; its other dimensions have none.
 pub(in crate::output) type ScaledTable = (String, Vec<String>);
 
-/// A dataset and its dimension that a scale belongs to.
+/// A dataset and its dimension to which a scale belongs.
 #[derive(Clone, Copy, H5Type)]
 #[repr(C)]
 struct Use {
@@ -74,7 +74,8 @@ impl SerialFile {
     }
 }
 
-/// The attribute CLASS, a text that ends in a zero: the high-level functions pad texts in another way, which H5DS refuses.
+/// Sets the attribute CLASS, a text that ends in a zero: the high-level functions pad texts in another way, which H5DS
+/// rejects.
 #[allow(unsafe_code, reason = "the library's attributes of another kind of text")]
 fn set_class(dataset: &Dataset) -> hdf5::Result<()> {
     let text = hdf5::Datatype::from_type::<FixedAscii<16>>()?;

@@ -1,7 +1,7 @@
-//! HDF5 files: made by one process, filled by all ranks together. The only module that calls HDF5.
+//! HDF5 files: made by one process, filled by all ranks together. This is the only module that calls HDF5.
 //!
-//! Groups, datasets and attributes are made by rank 0 alone through [`SerialFile`]; rows are then written
-//! through [`SharedFile`], where all ranks take part in every transfer, those without rows too.
+//! Groups, datasets and attributes are made by rank 0 alone through [`SerialFile`]; rows are then written through
+//! [`SharedFile`], where all ranks take part in every transfer, even those without rows.
 
 mod dimension_scales;
 mod rows;
@@ -26,11 +26,11 @@ use super::table::{Rows, TableHead};
 use super::{MessageResult, OutputError, agreed, require_file};
 use crate::parallel::{Communicator, FileAccess};
 
-/// How all files are opened.
+/// Options with which all files are opened.
 ///
-/// Without a lock: many file systems of clusters have none, and a script that reads a table while it grows must not end
-/// the run. And without the library's buffers for numbers: what waits in one is written as its dataset is closed, where a
-/// write that fails is not reported.
+/// There is no lock: many file systems of clusters do not have any, and a script that reads a growing table must not
+/// end the run. The library's buffers for numbers are not used either: buffered data are written when their dataset is
+/// closed, where a failed write is not reported.
 fn options() -> FileBuilder {
     let mut options = File::with_options();
     options.with_fapl(|properties| {
@@ -39,32 +39,32 @@ fn options() -> FileBuilder {
     options
 }
 
-/// The version of the library, and whether it is a parallel one.
+/// Version of the library, and whether it is a parallel one.
 pub(crate) fn hdf5_version() -> String {
     let (major, minor, patch) = hdf5::library_version();
     let kind = if cfg!(feature = "mpi") { "parallel" } else { "serial" };
     format!("{major}.{minor}.{patch}, {kind}")
 }
 
-/// What datasets hold.
+/// Element types of datasets.
 pub(super) trait Element: Pod + H5Type + Default {}
 impl Element for f64 {}
 impl Element for f32 {}
 impl Element for u64 {}
 impl Element for i64 {}
 
-/// A file that this process alone has open.
+/// A file that only this process has open.
 pub(super) struct SerialFile(File);
 
 fn described<T>(result: hdf5::Result<T>) -> MessageResult<T> {
     result.map_err(|error| format!("HDF5 says: {}", error.to_string().replace('\n', " ")))
 }
 
-/// Whether something could not be written.
+/// Whether a write has failed.
 static WRITE_FAILED: AtomicBool = AtomicBool::new(false);
 
-/// Whether HDF5 was unable to write something. It then keeps what is left in its memory and crashes when it tries to
-/// write that once more as MPI is finalised: the program must end without.
+/// Whether HDF5 was unable to write something. It then keeps the rest in its memory and crashes when it tries to write
+/// this again as MPI is finalised: the program must end without finalising.
 pub(crate) fn write_failed() -> bool {
     WRITE_FAILED.load(Ordering::Relaxed)
 }
@@ -73,30 +73,30 @@ fn note_failed_write() {
     WRITE_FAILED.store(true, Ordering::Relaxed);
 }
 
-/// [`described`], for what writes.
+/// Like [`described`], for writing operations.
 fn written<T>(result: hdf5::Result<T>) -> MessageResult<T> {
     described(result.inspect_err(|_| note_failed_write()))
 }
 
 impl SerialFile {
-    /// A new, empty file in the place of what was there.
+    /// Makes a new, empty file that replaces any existing one.
     pub(super) fn create(path: &Path) -> MessageResult<Self> {
         written(options().create(path)).map(Self)
     }
 
-    /// A file that is only read.
+    /// Opens a file read-only.
     pub(super) fn open(path: &Path) -> MessageResult<Self> {
         require_file(path).map_err(|error| format!("cannot be opened: {error}"))?;
         described(options().open(path)).map(Self)
     }
 
-    /// A file that is changed.
+    /// Opens a file to change it.
     pub(super) fn open_to_change(path: &Path) -> MessageResult<Self> {
         require_file(path).map_err(|error| format!("cannot be opened: {error}"))?;
         described(options().open_rw(path)).map(Self)
     }
 
-    /// Brings everything to the file and closes it.
+    /// Writes all remaining data to the file and closes it.
     pub(super) fn close(self) -> MessageResult<()> {
         written(self.0.flush().and_then(|()| self.0.close()))
     }
@@ -105,13 +105,13 @@ impl SerialFile {
         written(self.0.create_group(name)).map(|_| ())
     }
 
-    /// A text attribute of the group `/...`.
+    /// Sets a text attribute of the group `/...`.
     pub(super) fn set_text(&self, group: &str, name: &str, text: &str) -> MessageResult<()> {
         let group = described(self.0.group(group))?;
         written(set_text(&group, name, text))
     }
 
-    /// A text attribute of a fixed length, as the VTKHDF format asks for.
+    /// Sets a text attribute of a fixed length, as the VTKHDF format requires.
     pub(super) fn set_format_name<const N: usize>(
         &self,
         group: &str,
@@ -126,7 +126,7 @@ impl SerialFile {
         written(set())
     }
 
-    /// A number attribute, new or changed.
+    /// Sets a number attribute, new or changed.
     pub(super) fn set_number<T: Element>(
         &self,
         group: &str,
@@ -143,7 +143,7 @@ impl SerialFile {
         written(set())
     }
 
-    /// An attribute of several numbers.
+    /// Sets an attribute of several numbers.
     pub(super) fn set_numbers<T: Element>(
         &self,
         group: &str,
@@ -167,7 +167,7 @@ impl SerialFile {
         self.text_at(name, "unit")
     }
 
-    /// What a dataset is.
+    /// Description of a dataset.
     pub(super) fn description(&self, name: &str) -> MessageResult<String> {
         self.text_at(name, "description")
     }
@@ -193,13 +193,13 @@ impl SerialFile {
         numbers.try_into().map_err(|_| format!("attribute {name} of {group} is not {N} numbers"))
     }
 
-    /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
-    /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
+    /// Makes a new dataset. Room for rows is allocated as soon as there are any: if this were left to the first
+    /// transfer, ranks without rows would take no part in it, and transfers of all ranks fail on missing chunks.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> MessageResult<()> {
         self.make_blocks::<T>(head, &[], rows)
     }
 
-    /// A new dataset whose rows are blocks of this shape.
+    /// Makes a new dataset whose rows are blocks of this shape.
     pub(super) fn make_blocks<T: Element>(
         &self,
         head: &TableHead,
@@ -237,12 +237,12 @@ impl SerialFile {
         described(self.0.group(group).and_then(|group| group.member_names()))
     }
 
-    /// Whether the pieces of a dataset are compressed.
+    /// Whether the chunks of a dataset are compressed.
     pub(super) fn is_compressed(&self, name: &str) -> MessageResult<bool> {
         described(self.0.dataset(name).map(|dataset| !dataset.filters().is_empty()))
     }
 
-    /// Rows of a dataset, and numbers in each.
+    /// Number of rows of a dataset, and of values in each.
     pub(super) fn shape(&self, name: &str) -> MessageResult<(u64, usize)> {
         let shape =
             described(self.0.dataset(name)).map_err(|message| format!("{name}: {message}"))?;
@@ -261,14 +261,14 @@ impl SerialFile {
         described(dataset.read_raw())
     }
 
-    /// So many rows of a dataset from `first_row` on.
+    /// A given number of rows of a dataset from `first_row` on.
     pub(super) fn read_rows<T: Element>(
         &self,
         name: &str,
         first_row: u64,
         rows: u64,
     ) -> MessageResult<Vec<T>> {
-        // Before room is made for them.
+        // The check comes before memory is allocated for them.
         if self.shape(name)?.0 < first_row + rows {
             return Err(format!("{name} has fewer than {} rows", first_row + rows));
         }
@@ -276,7 +276,7 @@ impl SerialFile {
         described(read()).map_err(|message| format!("{name}: {message}"))
     }
 
-    /// A new dataset of texts.
+    /// Makes a new dataset of texts.
     pub(super) fn make_texts(&self, head: &TableHead, texts: &[String]) -> MessageResult<()> {
         let make = || {
             let texts: Result<Vec<VarLenUnicode>, _> =
@@ -296,7 +296,7 @@ impl SerialFile {
         written(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
     }
 
-    /// Cuts a dataset to its first rows.
+    /// Truncates a dataset to its first rows.
     pub(super) fn cut(&self, name: &str, rows: u64) -> MessageResult<()> {
         if self.shape(name)?.0 < rows {
             return Err(format!("{name} has fewer than {rows} rows"));
@@ -304,8 +304,7 @@ impl SerialFile {
         written(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
     }
 
-    /// Where the first rows of a growing dataset lie in the file, in bytes: whole pieces, those with any of
-    /// these rows in them.
+    /// Byte ranges of the first rows of a growing dataset in the file: whole chunks that contain any of these rows.
     pub(super) fn places_of_rows(&self, name: &str, rows: u64) -> MessageResult<Vec<Range<u64>>> {
         let places = || {
             let dataset = self.0.dataset(name)?;
@@ -332,7 +331,7 @@ impl SerialFile {
 /// A file whose rows all ranks write or read together. Every method is collective.
 pub(super) struct SharedFile<'r> {
     path: PathBuf,
-    /// None on ranks that leave the writing to rank 0.
+    /// `None` on ranks that leave the writing to rank 0.
     file: Option<File>,
     ranks: &'r dyn Communicator,
     /// Whether all ranks transfer their rows themselves, together.
@@ -348,7 +347,7 @@ impl<'r> SharedFile<'r> {
         Self::open(path, ranks, true, access_to(path, ranks))
     }
 
-    /// Opens a file whose rows rank 0 writes for all.
+    /// Opens a file whose rows are written by rank 0 for all ranks.
     pub(super) fn open_to_write_on_root(
         path: &Path,
         ranks: &'r dyn Communicator,
@@ -390,7 +389,7 @@ impl<'r> SharedFile<'r> {
         Ok(Self { path: path.to_owned(), file, ranks, together })
     }
 
-    /// Does something with a dataset on the ranks that have the file open.
+    /// Applies a function to a dataset on the ranks that have the file open.
     fn with<T: Default>(
         &self,
         name: &str,
@@ -404,7 +403,7 @@ impl<'r> SharedFile<'r> {
         agreed(&self.path, result, self.ranks)
     }
 
-    /// Lengthens a dataset to so many rows.
+    /// Extends a dataset to a number of rows.
     pub(super) fn grow(&self, name: &str, rows: u64) -> Result<(), OutputError> {
         self.with(name, |dataset| set_rows(dataset, rows).inspect_err(|_| note_failed_write()))
     }
@@ -417,8 +416,8 @@ impl<'r> SharedFile<'r> {
         Ok(SharedDataset::new(name, dataset, self.ranks, self.together))
     }
 
-    /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of
-    /// ranks, without gaps.
+    /// Writes this rank's rows from `first_row` on. The rows of the ranks follow one another in the order of ranks,
+    /// without gaps.
     pub(super) fn write_rows<T: Element>(
         &self,
         name: &str,
@@ -428,12 +427,12 @@ impl<'r> SharedFile<'r> {
         self.agreed(self.dataset(name)?.write_rows(first_row, values))
     }
 
-    /// An error of any rank is one of all.
+    /// Makes an error of any rank an error of all.
     pub(super) fn agreed<T>(&self, result: MessageResult<T>) -> Result<T, OutputError> {
         agreed(&self.path, result, self.ranks)
     }
 
-    /// Reads so many rows from `first_row` on, on each rank its own.
+    /// Reads a number of rows from `first_row` on; each rank reads its own.
     pub(super) fn read_rows<T: Element>(
         &self,
         name: &str,
@@ -443,15 +442,15 @@ impl<'r> SharedFile<'r> {
         self.with(name, |dataset| read_rows(dataset, first_row, rows, self.together))
     }
 
-    /// Brings everything to the file and closes it.
+    /// Writes all remaining data to the file and closes it.
     pub(super) fn close(self) -> Result<(), OutputError> {
         let closed = self.file.map_or(Ok(()), |file| file.flush().and_then(|()| file.close()));
         agreed(&self.path, written(closed), self.ranks)
     }
 }
 
-/// How ranks share a file. MPI-IO takes what stands before the first colon of a path for a kind of file system, and cuts it
-/// off: such a file is left to rank 0.
+/// The way in which ranks share a file. MPI-IO interprets the part of a path before its first colon as a kind of file
+/// system, and removes it: such a file is left to rank 0.
 fn access_to(path: &Path, ranks: &dyn Communicator) -> FileAccess {
     match path.as_os_str().as_encoded_bytes().contains(&b':') {
         true => FileAccess::Root,

@@ -1,5 +1,5 @@
-//! Rows of datasets: what the safe interface of the library does not offer. The only file that calls the
-//! library itself.
+//! Rows of datasets: operations that the safe interface of the library does not offer. This is the only file that calls
+//! the library itself.
 
 mod collective;
 
@@ -18,12 +18,12 @@ use hdf5_sys::h5s::{
 pub(super) use self::collective::open_together;
 use super::Element;
 
-/// Numbers in a row.
+/// Number of values in a row.
 pub(super) fn width(dataset: &Dataset) -> usize {
     dataset.shape().iter().skip(1).product::<usize>().max(1)
 }
 
-/// Makes a dataset so many rows long.
+/// Sets the number of rows of a dataset.
 #[allow(unsafe_code, reason = "the safe interface takes the whole shape in a type of fixed rank")]
 pub(super) fn set_rows(dataset: &Dataset, rows: u64) -> hdf5::Result<()> {
     let mut shape: Vec<hsize_t> = dataset.shape().iter().map(|&n| n as hsize_t).collect();
@@ -56,7 +56,7 @@ pub(super) fn read_rows<T: Element>(
     Ok(values)
 }
 
-/// The bytes of the file in which the piece with a row is stored.
+/// The bytes of the file in which the chunk with a row is stored.
 #[allow(unsafe_code, reason = "the safe interface counts through all pieces for each")]
 pub(super) fn place_of_piece(dataset: &Dataset, row: u64) -> hdf5::Result<Range<u64>> {
     let mut first = vec![0; dataset.ndim()];
@@ -82,15 +82,15 @@ pub(super) fn place_of_piece(dataset: &Dataset, row: u64) -> hdf5::Result<Range<
     Ok(address..address + size)
 }
 
-/// Where numbers lie in memory.
+/// Buffer for numbers in memory.
 #[derive(Clone, Copy)]
 enum Buffer {
     Write(*const std::ffi::c_void),
     Read(*mut std::ffi::c_void),
 }
 
-/// Moves `rows` rows from `first_row` on between memory and file. `together`: all ranks take part, and
-/// those without rows too, or the others would wait without end; the safe interface cannot do this.
+/// Transfers `rows` rows from `first_row` on between memory and file. With `together` all ranks take part, even those
+/// without rows, since the others would otherwise wait without end; the safe interface cannot do this.
 #[allow(unsafe_code, reason = "collective transfers are missing in the safe interface")]
 fn transfer<T: Element>(
     dataset: &Dataset,
@@ -103,7 +103,7 @@ fn transfer<T: Element>(
         return Err("rows beyond the end of a dataset".into());
     }
     if count[0] == 0 {
-        // An empty dataset has no place in the file; all ranks see this alike.
+        // An empty dataset has no place in the file; this is known to all ranks.
         return Ok(());
     }
     count[0] = rows;
@@ -139,7 +139,7 @@ fn transfer<T: Element>(
     .map(|_| ())
 }
 
-/// An identifier of the library that is closed at the end.
+/// An identifier of the library that is closed when it is dropped.
 pub(super) struct Identifier(
     pub(super) hid_t,
     pub(super) unsafe extern "C" fn(hid_t) -> hdf5_sys::h5::herr_t,

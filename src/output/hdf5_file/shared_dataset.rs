@@ -6,23 +6,23 @@ use super::rows::{width, write};
 use super::{Element, MessageResult, written};
 use crate::parallel::{Communicator, records_of_bytes};
 
-/// Bytes on their way to rank 0 at a time, from all ranks: more would only take memory.
+/// Largest number of bytes, from all ranks, that are being sent to rank 0 at a time: more would only take memory.
 const ON_THE_WAY: usize = 16 << 20;
 
 /// A dataset that all ranks write.
 pub(crate) struct SharedDataset<'f> {
-    /// What errors call it.
+    /// Its name in errors.
     name: String,
-    /// None on ranks that leave the writing to rank 0.
+    /// `None` on ranks that leave the writing to rank 0.
     dataset: Option<Dataset>,
-    /// Numbers in a row; where all ranks write, nobody asks.
+    /// Number of values in a row; not used if all ranks write.
     width: usize,
     ranks: &'f dyn Communicator,
     together: bool,
 }
 
 impl<'f> SharedDataset<'f> {
-    /// An open dataset; collective.
+    /// An open dataset. Collective.
     pub(super) fn new(
         name: &str,
         dataset: Option<Dataset>,
@@ -31,14 +31,14 @@ impl<'f> SharedDataset<'f> {
     ) -> Self {
         let mut widths = [dataset.as_ref().map_or(1, width) as f64];
         if !together {
-            // Ranks that have it not open learn it from rank 0.
+            // Ranks that do not have it open receive its width from rank 0.
             ranks.maximum(&mut widths);
         }
         Self { name: name.to_owned(), dataset, width: widths[0] as usize, ranks, together }
     }
 
-    /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of ranks,
-    /// without gaps. Collective, but an error is this rank's alone.
+    /// Writes this rank's rows from `first_row` on. The rows of the ranks follow one another in the order of ranks,
+    /// without gaps. Collective, but an error may concern only this rank.
     pub(crate) fn write_rows<T: Element>(&self, first_row: u64, values: &[T]) -> MessageResult<()> {
         if self.together || self.ranks.size() == 1 {
             return self.write(first_row, values);
@@ -49,7 +49,8 @@ impl<'f> SharedDataset<'f> {
         written.and(self.write_those_of_others(first_row, to_root))
     }
 
-    /// Has rank 0 write the rows of other ranks, which send them piece by piece. Each piece begins with its first row.
+    /// Lets rank 0 write the rows of other ranks, which send them in pieces. Each piece begins with the number of its
+    /// first row.
     fn write_those_of_others<T: Element>(&self, first: u64, values: &[T]) -> MessageResult<()> {
         let row_bytes = self.width * size_of::<T>();
         let rows = (ON_THE_WAY / self.ranks.size() / row_bytes).max(1);
@@ -57,7 +58,7 @@ impl<'f> SharedDataset<'f> {
         let mut rounds = [pieces.len() as f64];
         self.ranks.maximum(&mut rounds);
         let mut result = Ok(());
-        // Also after an error, for the sake of the other ranks.
+        // This is also done after an error, because the other ranks take part.
         for round in 0..rounds[0] as u64 {
             let first_row = first + round * rows as u64;
             let piece = bytemuck::cast_slice(pieces.next().unwrap_or_default());
@@ -77,7 +78,7 @@ impl<'f> SharedDataset<'f> {
         else {
             return Ok(());
         };
-        // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
+        // Rows of a dataset of fixed length are contiguous: the rows of a rank are one piece of the file.
         let result = write(dataset, first_row, values, self.together && dataset.is_chunked());
         written(result).map_err(|message| format!("{}: {message}", self.name))
     }

@@ -1,4 +1,4 @@
-//! `gas.vtkhdf`, read back one time after another.
+//! Reader of `gas.vtkhdf`, one time after another.
 
 use super::{reading, rising};
 use crate::output::OutputError;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq)]
 pub struct GasSnapshotReader {
     path: PathBuf,
-    /// Times of the snapshots, rising.
+    /// Times of the snapshots, ascending.
     pub times: Vec<f64>,
     first: u64,
     /// Cells along x, y and z.

@@ -1,4 +1,4 @@
-//! Files of a run, read back: whole ones, and those that a run is still writing.
+//! Readers for the files of a run, complete or still being written.
 //!
 //! Rows that are not complete yet are left out. Reading changes nothing and needs no ranks.
 
@@ -37,7 +37,7 @@ fn reading<T>(
         .map_err(|message| OutputError { path: path.to_owned(), message })
 }
 
-/// The library is shown nothing that is not HDF5 at all.
+/// Checks that a file is HDF5 before it is passed to the library.
 fn check_signature(path: &Path) -> MessageResult<()> {
     let mut start = [0; SIGNATURE.len()];
     let file = require_file(path)
@@ -49,8 +49,8 @@ fn check_signature(path: &Path) -> MessageResult<()> {
     }
 }
 
-/// How many of the rows have a time that is later than the one before: room that was made in the file and is not filled
-/// yet holds zeros.
+/// Number of rows whose time is later than that of the previous one: allocated rows of the file that are not filled yet
+/// contain zeros.
 fn rising(times: &[f64]) -> usize {
     let falls = times.windows(2).position(|pair| pair[1] <= pair[0] || !pair[1].is_finite());
     falls.map_or(times.len(), |place| place + 1)

@@ -1,4 +1,4 @@
-//! `particles.vtkhdf`, read back one snapshot at a time.
+//! Reader of `particles.vtkhdf`, one snapshot at a time.
 
 use super::{reading, rising};
 use crate::output::OutputError;
@@ -6,11 +6,11 @@ use crate::output::particle_snapshots::snapshot_rows;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The snapshots of a file: their times, and where their rows are.
+/// The snapshots of a file: their times, and the places of their rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParticleSnapshotReader {
     path: PathBuf,
-    /// Times of the snapshots, rising.
+    /// Times of the snapshots, ascending.
     pub times: Vec<f64>,
     rows: Vec<Range<u64>>,
 }
@@ -20,7 +20,7 @@ pub struct ParticleSnapshotReader {
 pub struct ParticleSnapshot {
     /// Global ids.
     pub ids: Vec<u64>,
-    /// Centres, inside of the box.
+    /// Centres, inside the box.
     pub positions: Vec<[f64; 3]>,
     /// Velocities of the centres.
     pub velocities: Vec<[f64; 3]>,

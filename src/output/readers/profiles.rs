@@ -1,4 +1,4 @@
-//! `profiles.h5`, read back.
+//! Reader of `profiles.h5`.
 
 use super::{reading, rising};
 use crate::output::hdf5_file::SerialFile;
@@ -10,7 +10,7 @@ use std::path::Path;
 pub struct ProfileTable {
     /// Heights of the nodes.
     pub heights: Vec<f64>,
-    /// Times of the rows, rising.
+    /// Times of the rows, ascending.
     pub times: Vec<f64>,
     /// Superficial gas velocity at these times.
     pub superficial_velocities: Vec<f64>,

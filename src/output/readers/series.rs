@@ -1,9 +1,9 @@
-//! `series.csv`, read back.
+//! Reader of `series.csv`.
 
 use crate::output::{OutputError, read_text};
 use std::path::Path;
 
-/// The rows of `series.csv`, and what it says about its run.
+/// The rows of `series.csv`, and the provenance of its run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SeriesTable {
     /// Names and texts of the lines `# name: text`, without the case.
@@ -15,7 +15,7 @@ pub struct SeriesTable {
 }
 
 impl SeriesTable {
-    /// Reads the file; a last line that is not finished is left out.
+    /// Reads the file; an unfinished last line is left out.
     ///
     /// # Errors
     /// If it cannot be read, or is not such a table.
@@ -26,7 +26,7 @@ impl SeriesTable {
         Self::parse(&text).map_err(wrong)
     }
 
-    /// Takes the text of the file apart.
+    /// Parses the text of the file.
     ///
     /// # Errors
     /// If it is not such a table.
@@ -54,12 +54,12 @@ impl SeriesTable {
         }
     }
 
-    /// A line of provenance.
+    /// The text of a line of provenance.
     pub fn entry(&self, name: &str) -> Option<&str> {
         self.provenance.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str())
     }
 
-    /// The place of a column.
+    /// The index of a column.
     pub fn position(&self, column: &str) -> Option<usize> {
         self.columns.iter().position(|(known, _)| known == column)
     }

@@ -68,14 +68,14 @@ const DIMENSION: Kind = Kind::number(
     "from the growth of the radius with the number of members over all agglomerates",
 );
 
-/// Sets of fewer particles are no agglomerates.
+/// Sets of fewer particles do not count as agglomerates.
 const SMALLEST: u64 = 15;
-/// Limits of the sizes over which rates of breakage and growth are given.
+/// Limits of the sizes for which rates of breakage and growth are given.
 const SIZES: [u64; 9] = [15, 30, 60, 120, 250, 500, 1000, 4000, u64::MAX];
-/// Members that must be lost or gained for an event.
+/// Number of members that must be lost or gained for an event.
 const EVENT: u64 = 2;
 
-/// The agglomerates at a checkpoint, by the contacts kept since the one before.
+/// The agglomerates at a checkpoint, from the contacts kept since the previous one.
 struct AtTime {
     time: f64,
     since: f64,
@@ -169,7 +169,7 @@ fn add_means(found: &mut Findings, last: &AtTime) {
     found.add(&DIMENSION, fit.ok_or_else(few));
 }
 
-/// Rates over all pairs of successive samples; none with fewer than two samples, or if their intervals differ.
+/// Rates over all pairs of successive samples; `None` with fewer than two samples, or if their intervals differ.
 fn rates(all: &[AtTime]) -> Option<Vec<RatesOfSize>> {
     let interval = all.get(1)?.time - all.first()?.time;
     let even =
@@ -213,7 +213,7 @@ fn times_table(all: &[AtTime], units: &ColumnUnits) -> ResultTable {
     ResultTable::new("agglomerates/times", columns)
 }
 
-/// Each agglomerate of the last time.
+/// A table of all agglomerates at the last time.
 fn list_table(found: &[Agglomerate], units: &ColumnUnits) -> ResultTable {
     let numbers = |name: &str, unit: &str, about: &str, of: &dyn Fn(&Agglomerate) -> f64| {
         Column::numbers(name, unit, about, found.iter().map(of).collect())

@@ -61,11 +61,11 @@ const OVER_WEIGHT: Kind = Kind::number(
     "the same over the weight per area",
 );
 
-/// What is read off one profile.
+/// Data from one profile.
 #[derive(Clone, Copy)]
 struct Shape {
     height: BedHeight,
-    /// Height by mass, of a uniform bed its whole height.
+    /// Height by mass; for a uniform bed its whole height.
     by_mass: f64,
     bulk: f64,
 }
@@ -82,7 +82,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         (0..whole.times.len()).map(|row| shape_of(whole, row, part, &options)).collect();
     let with_bed = shapes.iter().flatten().map(|shape| shape.by_mass);
     let least = with_bed.fold(f64::INFINITY, f64::min);
-    // Particles that still fall, or are scattered, are no bed.
+    // Particles that still fall, or are scattered, are not a bed.
     let counted = &shapes[first..first + profiles.times.len()];
     let timed = profiles.times.iter().zip(counted);
     let (times, shown): (Vec<f64>, Vec<Shape>) =
@@ -123,7 +123,7 @@ fn shape_of(
     let [first, second, ..] = profiles.heights[..] else {
         return Err(NoValue::because("the profiles have fewer than two heights"));
     };
-    // The lowest node then stands for half a spacing, whatever it averages over.
+    // The lowest node then represents half a spacing, whatever its averaging volume.
     solids_fractions[0] *= lowest_part;
     let spacing = second - first;
     let profile = Profile { solids_fractions: &solids_fractions, spacing };
@@ -133,7 +133,7 @@ fn shape_of(
     Ok(Shape { height, by_mass, bulk })
 }
 
-/// The mean with its error; without an error where the values do not give one.
+/// The mean with its error; without an error if the values do not give one.
 fn mean_of(values: &[f64]) -> Result<Estimate, NoValue> {
     match correlated_mean(values) {
         Ok(found) => Ok(found.mean),

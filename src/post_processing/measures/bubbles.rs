@@ -29,12 +29,12 @@ const ASPECT: Kind =
 const RISE: Kind =
     Kind::number("rise_velocity", Quantity::Speed, "mean of the bubbles that were followed");
 
-/// A bubble's volume may change by this factor between two times: beyond, it has merged or split.
+/// Largest factor by which a bubble's volume may change between two times: beyond it, the bubble has merged or split.
 const LARGEST_GROWTH: f64 = 2.0;
-/// Fewest times of a track.
+/// Smallest number of times in a track.
 const FEWEST_TIMES: usize = 3;
 
-/// A bubble with the time at which it was seen.
+/// A bubble with the time at which it was found.
 struct Seen {
     time: f64,
     bubble: Bubble,

@@ -19,7 +19,7 @@ const MEAN: Kind =
 const ALONE: Kind =
     Kind::number("rattlers", Quantity::Number, "part of the particles that touch no other");
 
-/// As many neighbours or more are counted together: no more fit around a sphere of equal size.
+/// Number of neighbours from which particles are counted together: no more fit around a sphere of equal size.
 const MOST: usize = 12;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
@@ -49,7 +49,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     Ok(found)
 }
 
-/// A checkpoint holds each touching pair once.
+/// Coordination numbers from a checkpoint, which contains each touching pair once.
 fn of_checkpoint(checkpoint: &Checkpoint) -> Coordination {
     let mut numbers: FxHashMap<u64, u32> =
         checkpoint.particles.iter().map(|particle| (particle.id, 0)).collect();

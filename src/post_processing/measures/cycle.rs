@@ -43,13 +43,13 @@ const COLUMNS: [&str; 10] = [
     "centre_height",
     "centre_velocity",
 ];
-/// Parts of a cycle.
+/// Number of bins of a cycle.
 const BINS: usize = 40;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let times = results.column("time")?;
     let Vibrating { vibration, from, to } = last_vibration(results, times[times.len() - 1])?;
-    // The row at the start of a stage belongs to the stage before.
+    // The row at the start of a stage belongs to the previous stage.
     let rows =
         times.partition_point(|&time| time <= from)..times.partition_point(|&time| time <= to);
     let options = PhaseOptions {
@@ -96,15 +96,15 @@ fn nothing() -> Value {
     Value::Nothing(NoValue::because("no phase of the cycle has rows"))
 }
 
-/// How the plate vibrates, and when.
+/// A vibration of the plate, and its times.
 struct Vibrating {
     vibration: Vibration,
     from: f64,
     to: f64,
 }
 
-/// The vibration of the last stage that has one and has begun at `last_row`, over that stage and those right before it with
-/// the same.
+/// The vibration of the last stage that has one and has begun at `last_row`, over that stage and those immediately
+/// before it with the same vibration.
 fn last_vibration(results: &Results, last_row: f64) -> Result<Vibrating, Unmeasured> {
     let stages: Vec<&Stage> = results.stages()?.filter(|stage| stage.start < last_row).collect();
     let vibration_of = |place: usize| stages[place].physics.gravity.vibration;
@@ -140,7 +140,7 @@ fn peak(average: &PhaseAverage) -> Option<(f64, Value)> {
     Some((average.phases[bin], Value::Number { value, error: average.errors[bin] }))
 }
 
-/// Largest less smallest mean; the error is that of these two means, as if they were independent.
+/// Largest less smallest mean; the error is that of these two means, treated as independent.
 fn swing(average: &PhaseAverage) -> Option<Value> {
     let known = || {
         average

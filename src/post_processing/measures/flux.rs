@@ -30,11 +30,11 @@ const RESIDENCE: Kind = Kind::number(
 const PASSAGES: Kind =
     Kind::number("passages", Quantity::Number, "number of such passages that are complete");
 
-/// Heights of the planes, in parts of the bed's height at the first snapshot.
+/// Heights of the planes, as fractions of the bed's height at the first snapshot.
 const PLANES: [f64; 3] = [0.25, 0.5, 0.75];
-/// Bins of the distribution of residence times.
+/// Number of bins of the distribution of residence times.
 const BINS: usize = 20;
-/// Cells over the height in which the bed's height is sought.
+/// Number of cells over the height in which the bed's height is determined.
 const LAYERS: f64 = 100.0;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
@@ -93,13 +93,13 @@ fn height_of(first: &ParticleSnapshot, box_height: f64, area: f64) -> Result<f64
     }
     let solids_fractions: Vec<f64> =
         volumes.iter().map(|volume| volume / (area * spacing)).collect();
-    // Any solids are the bed: only the mass is asked for.
+    // Any solids belong to the bed: only the mass is needed.
     let options = BedHeightOptions { threshold: f64::MIN_POSITIVE, ..BedHeightOptions::default() };
     let profile = Profile { solids_fractions: &solids_fractions, spacing };
     Ok(bed_height(&profile, &options)?.by_mass / options.mass_share)
 }
 
-/// Where centres go from one side of a plane to the other between two snapshots; when, by a straight line.
+/// Crossings of planes by centres between two snapshots; their times are found by linear interpolation.
 fn crossings(
     snapshots: &ParticleSnapshotReader,
     planes: &[f64],
@@ -127,7 +127,7 @@ fn crossings(
     Ok(crossings)
 }
 
-/// When a straight line between two heights passes a plane; a centre on the plane counts as above it.
+/// Time at which a straight line between two heights passes a plane; a centre on the plane counts as above it.
 fn time_of_passage(heights: [f64; 2], plane: f64, interval: [f64; 2]) -> Option<f64> {
     let [below_before, below_after] = heights.map(|height| height < plane);
     let part = (plane - heights[0]) / (heights[1] - heights[0]);

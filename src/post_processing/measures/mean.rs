@@ -14,13 +14,13 @@ pub(super) const MEASURE: Measure = Measure {
     find,
 };
 
-/// One for each column.
+/// One kind for each column.
 fn kinds() -> impl Iterator<Item = Kind> {
     let columns = Measures::COLUMNS.iter().filter(|column| column.name != "time");
     columns.map(|column| Kind::number(column.name, column.quantity, "mean of this column"))
 }
 
-/// What is known of one column.
+/// Statistics of one column.
 struct Row {
     name: &'static str,
     unit: String,
@@ -48,7 +48,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     Ok(found)
 }
 
-/// Mean and error, or the mean alone and why it has no error.
+/// Mean and error, or only the mean and the reason why it has no error.
 fn row_of(name: &'static str, values: &[f64], interval: f64) -> Result<Row, NoValue> {
     let unit = String::new();
     match correlated_mean(values) {

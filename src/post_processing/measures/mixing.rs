@@ -49,11 +49,11 @@ const LACEY_BY_SIZE: Kind = Kind::number(
     "Lacey index at the end, of the particles no larger than the median, or smaller if none is larger",
 );
 
-/// Windows, one after another, whose scatter gives the error of D.
+/// Number of successive windows, whose scatter gives the error of D.
 const WINDOWS: usize = 5;
-/// Fewest snapshots of a window, its start among them.
+/// Smallest number of snapshots in a window, including its start.
 const FEWEST: usize = 4;
-/// Particles in a cell, on the mean, when the Lacey index is taken, and the fewest of a cell that counts.
+/// Mean number of particles in a cell for the Lacey index, and the smallest number in a cell that counts.
 const PER_CELL: f64 = 30.0;
 const LEAST_PER_CELL: u64 = 8;
 
@@ -107,7 +107,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     Ok(found)
 }
 
-/// How far the particles went.
+/// Displacements of the particles.
 struct Paths {
     dispersion: Dispersion,
     /// Duration of a window, and the lag from which the line is fitted.
@@ -119,7 +119,7 @@ struct Paths {
 }
 
 impl Paths {
-    /// Through all snapshots.
+    /// Follows the particles through all snapshots.
     fn follow(
         snapshots: &ParticleSnapshotReader,
         periodicity: Periodicity,
@@ -161,7 +161,7 @@ impl Paths {
     }
 }
 
-/// By ascending id.
+/// Positions of the particles, by ascending id.
 fn positions(snapshot: &ParticleSnapshot) -> Vec<Positioned> {
     let particles = snapshot.ids.iter().zip(&snapshot.positions);
     let positioned =
@@ -171,7 +171,7 @@ fn positions(snapshot: &ParticleSnapshot) -> Vec<Positioned> {
     positions
 }
 
-/// The largest component of a velocity over the periodic length of its axis.
+/// The largest ratio of a velocity component to the periodic length of its axis.
 fn fastest_across(snapshot: &ParticleSnapshot, periodicity: &Periodicity) -> f64 {
     let fastest = |axis: usize| {
         snapshot.velocities.iter().map(|velocity| velocity[axis].abs()).fold(0.0, f64::max)
@@ -184,9 +184,9 @@ struct MixingCells {
     edge: f64,
     counts: [usize; 3],
     sizes: [f64; 3],
-    /// Height that parts the tracers from the others at the start.
+    /// Height that separates the tracers from the others at the start.
     middle: f64,
-    /// Largest radius of those that count as small: the median, or the next smaller radius if none is above it.
+    /// Largest radius of the particles that count as small: the median, or the next smaller radius if none is above it.
     small_radius: f64,
 }
 
@@ -198,7 +198,7 @@ struct MixingRow {
 }
 
 impl MixingCells {
-    /// Cubes, nearly, that hold [`PER_CELL`] particles on the mean: of the box across, up to its top.
+    /// Nearly cubic cells that contain [`PER_CELL`] particles on average: across the box, up to the top of the bed.
     fn of(first: &ParticleSnapshot, results: &Results) -> Result<Self, Unmeasured> {
         let lengths = results.case()?.domain.bounds.lengths();
         let heights: Vec<f64> = first.positions.iter().map(|position| position[2]).collect();
@@ -206,7 +206,7 @@ impl MixingCells {
             return Err(NoValue::because("the first snapshot holds no particles").into());
         };
         let volume: f64 = first.radii.iter().map(|radius| 4.0 / 3.0 * PI * radius.powi(3)).sum();
-        // Of a bed that is half solid; the number of particles in a cell need not be exact.
+        // The bed is assumed to be half solid; the number of particles in a cell need not be exact.
         let edge = libm::cbrt(PER_CELL * 2.0 * volume / first.ids.len() as f64);
         let counts = [0, 1, 2].map(|axis| libm::round(lengths[axis] / edge).max(1.0) as usize);
         let sizes = [0, 1, 2].map(|axis| lengths[axis] / counts[axis] as f64);

@@ -27,10 +27,10 @@ const ANGLE: Kind = Kind::number(
 );
 const CREST: Kind = Kind::number("crest", Quantity::Length, "height of the highest column");
 
-/// Sides of the squares whose highest spheres make the surface, in largest diameters.
+/// Side of the squares whose highest spheres form the surface, in largest diameters.
 const SIDE: f64 = 2.0;
 
-/// A heap has ends: along x the box may not repeat.
+/// A heap has ends: the box must not be periodic along x.
 fn require_ends(case: &Case) -> Result<(), NoValue> {
     match case.domain.bounds.is_periodic(0) {
         true => Err(NoValue::because("the box repeats along x: a heap there has no ends")),

@@ -33,11 +33,12 @@ const fn of(column: &'static str) -> Kind {
     )
 }
 
-/// Segments that overlap by half, of which a spectrum is the mean: seven of a quarter of the series each.
+/// Number of quarters of the series: a spectrum is the mean over seven segments of a quarter each, which overlap by
+/// half.
 const PARTS: usize = 4;
 /// Level of the confidence band.
 const CONFIDENCE: f64 = 0.95;
-/// Deviation over the largest magnitude below which a column is constant but for rounding.
+/// Ratio of the deviation to the largest magnitude below which a column is constant except for rounding.
 const CONSTANT: f64 = 1.0e-12;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {

@@ -45,7 +45,7 @@ struct RampKinds {
     ratio: Kind,
 }
 
-/// Makes the numbers of a ramp from its name.
+/// Defines the numbers of a ramp from its name.
 macro_rules! ramp {
     ($way:literal) => {
         RampKinds {
@@ -150,7 +150,7 @@ fn bulk(results: &Results) -> Result<Vec<f64>, Unmeasured> {
         Some(Err(reason)) => return Err(reason.clone().into()),
         Some(Ok(_)) => {}
     }
-    // Where a bed in motion has no bulk there is no number; only the packed bed is asked for one.
+    // If a bed in motion has no bulk there is no number; it is needed only for the packed bed.
     let bulk = |time: &f64| rows[nearest(&profiles.times, *time)].clone().unwrap_or(f64::NAN);
     Ok(results.column("time")?.iter().map(bulk).collect())
 }
@@ -187,7 +187,7 @@ fn no_balance() -> NoValue {
     NoValue::because("there is no gas or no gravity to balance")
 }
 
-/// The last stage with a gas among those that count.
+/// The last stage with a gas among those in the window.
 fn gas_stage(results: &Results) -> Result<(&Case, &Stage), NoValue> {
     let nothing = |why: Unmeasured| match why {
         Unmeasured::Nothing(reason) => reason,
@@ -217,7 +217,7 @@ fn points(kinds: &RampKinds, branch: &Branch, units: &ColumnUnits) -> ResultTabl
     ResultTable::new(kinds.table, columns)
 }
 
-/// What draws the fit: dp = linear U + quadratic U^2 up to U_mf, the plateau beyond.
+/// A table for plotting the fit: dp = linear U + quadratic U^2 up to U_mf, and the plateau beyond.
 fn fit_table(kinds: &RampKinds, fit: &Fit, units: &ColumnUnits) -> ResultTable {
     let one = |name: &str, unit: &str, about: &str, value: f64| {
         Column::numbers(name, unit, about, vec![value])

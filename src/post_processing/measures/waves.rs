@@ -1,4 +1,4 @@
-//! Waves of the solids fraction: what the bed does where and when, and how its waves travel.
+//! Waves of the solids fraction: the states of the bed over height and time, and the properties of the waves.
 
 use crate::analysis::waves::{
     BedState, Cell, Front, SolidsFractionField, State, StateShares, WaveMap, WaveOptions, Waves,
@@ -113,7 +113,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     Ok(found)
 }
 
-/// The frequency of the plate in the stages that count; none if it rests in one of them.
+/// The frequency of the plate in the stages of the window; `None` if it is at rest in one of them.
 fn vibration_frequency(results: &Results) -> Result<Option<f64>, Unmeasured> {
     let mut found = None;
     for stage in results.stages()? {
@@ -155,7 +155,8 @@ fn add_shares(found: &mut Findings, map: &WaveMap) {
     found.add(&DISORDERED, map.shares.disordered);
 }
 
-/// Between which heights there are waves half of the time or more, and at which times in half of the bed or more.
+/// Range of heights with waves for at least half of the time, and range of times with waves in at least half of the
+/// bed.
 fn where_and_when(map: &WaveMap, units: &ColumnUnits) -> [String; 2] {
     let ends = |mut places: Vec<f64>| {
         places.sort_by(f64::total_cmp);
@@ -190,7 +191,7 @@ fn name_of(state: BedState) -> &'static str {
     STATES[place]
 }
 
-/// Windows that the bed fills.
+/// A table of the windows that the bed fills.
 fn windows(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
     let filled: Vec<_> = map.cells.iter().filter(|cell| cell.state != State::Empty).collect();
     let numbers = |name: &str, unit: &str, about: &str, of: &dyn Fn(&Cell) -> f64| {

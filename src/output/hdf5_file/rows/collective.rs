@@ -1,12 +1,12 @@
-//! What parallel HDF5 has beside a serial one: files that all ranks open through MPI-IO, and transfers of all together.
-//! Without MPI neither is ever asked for.
+//! Operations of parallel HDF5 that a serial one lacks: files that all ranks open through MPI-IO, and transfers of all
+//! ranks together. Without MPI neither is ever requested.
 
 use hdf5::plist::file_access::FileAccessBuilder;
 use hdf5_sys::h5i::hid_t;
 
 use crate::parallel::RawCommunicator;
 
-/// Makes a file that of all ranks, with the same metadata operations on each.
+/// Opens the file on all ranks together, with the same metadata operations on each.
 #[cfg(feature = "mpi")]
 pub(in super::super) fn open_together(
     properties: &mut FileAccessBuilder,
@@ -21,7 +21,7 @@ pub(in super::super) fn open_together(_: &mut FileAccessBuilder, communicator: R
     match communicator {}
 }
 
-/// Makes a transfer that of all ranks together.
+/// Makes a transfer one of all ranks together.
 #[cfg(feature = "mpi")]
 #[allow(unsafe_code, reason = "collective transfers are missing in the safe interface")]
 pub(super) fn transfer_together(how: hid_t) -> hdf5::Result<()> {
