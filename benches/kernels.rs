@@ -1,7 +1,7 @@
-//! Nanoseconds per contact, per pair, per particle, per ghost of what a step consists of, in and out of cache.
+//! Nanoseconds per contact, per pair, per particle and per ghost for the parts of a step, in and out of cache.
 //!
-//! `scripts/bench --parts kernels` runs it and makes a table. What is called within a step is timed within steps of a bed
-//! that rests, by the timers of the phases; the rest is called by itself.
+//! `scripts/bench --parts kernels` runs it and makes a table. Functions that are called within a step are timed within
+//! steps of a bed at rest, by the timers of the phases; the others are called separately.
 #![allow(missing_docs, reason = "criterion_group makes an undocumented function")]
 
 #[path = "../tests/beds/mod.rs"]

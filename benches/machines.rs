@@ -1,8 +1,8 @@
-//! The rate of ranks whose messages take time, as between machines.
+//! Computing rate of ranks whose messages take time, as between machines.
 //!
-//! `cargo bench --bench machines` prints a table in Markdown: a settled bed on thread ranks, by the time of a message, all at
-//! 10 Gbit/s. The time of a step in microseconds is that of the quickest of several windows of steps, since ranks may share cores
-//! with other programs.
+//! `cargo bench --bench machines` prints a table in Markdown for a settled bed on thread ranks, by the time of a
+//! message, at 10 Gbit/s. The time of a step in microseconds is that of the fastest of several windows of steps, since
+//! ranks may share cores with other programs.
 
 #[path = "../tests/beds/mod.rs"]
 mod beds;

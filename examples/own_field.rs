@@ -1,10 +1,11 @@
-//! A quantity of your own, outside of the crate: heat is conducted between touching spheres.
+//! A custom quantity, outside the crate: heat is conducted between touching spheres.
 //!
 //! Run it with `cargo build --release --example own_field` and then
-//! `mpirun -n 2 target/release/examples/own_field results/heat`: the same digest on any number of ranks, and through a restart.
+//! `mpirun -n 2 target/release/examples/own_field results/heat`. It prints the same digest on any number of ranks, and
+//! after a restart.
 //!
-//! The temperature of a particle goes with it from rank to rank, is known to ghosts at each step, and is in snapshots
-//! (`particles.vtkhdf`, for ParaView) and in checkpoints (`/particles/temperature`).
+//! The temperature of a particle moves with it from rank to rank, is known to ghosts at each step, and is part of
+//! snapshots (`particles.vtkhdf`, for ParaView) and of checkpoints (`/particles/temperature`).
 
 use std::path::Path;
 use talcum::contact::{ContactExchange, FrictionCap, LinearSpringDashpot, TouchingParticles};

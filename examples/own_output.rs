@@ -1,4 +1,4 @@
-//! A number of one's own as a table: how many particles touch the plate, and the kinetic energy, at intervals.
+//! A custom table: number of particles that touch the plate, and kinetic energy, at intervals.
 //!
 //! Run it with `cargo run --release --example own_output -- table.csv`.
 

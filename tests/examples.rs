@@ -1,4 +1,4 @@
-//! The examples run, and print what they promise.
+//! The examples run, and print the promised results.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

@@ -1,4 +1,4 @@
-//! Iterations and times of the pressure solver on fluidised beds.
+//! Numbers of iterations and times of the pressure solver for fluidised beds.
 //!
 //! ```text
 //! cargo bench --bench pressure -- [--largest 64] [--write FOLDER]

@@ -33,8 +33,8 @@ pub(super) struct AnalyseOptions {
     list: bool,
 }
 
-/// Measures on the results of a run, prints what was found and writes it to `analysis.h5`. The exit code is 1 if a file that
-/// is there could not be read.
+/// Takes the measures on the results of a run, prints the findings and writes them to `analysis.h5`. The exit code is 1
+/// if an existing file could not be read.
 pub(super) fn analyse(options: &AnalyseOptions) -> anyhow::Result<ExitCode> {
     let folder = match &options.results {
         Some(folder) if !options.list => folder,
@@ -77,7 +77,7 @@ impl AnalyseOptions {
         Ok(TimeWindow { from, to })
     }
 
-    /// The measures asked for; all if none is named.
+    /// The requested measures; all if none is named.
     fn chosen(&self) -> anyhow::Result<Vec<&'static Measure>> {
         if self.measures.is_empty() {
             return Ok(MEASURES.to_vec());

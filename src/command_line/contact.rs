@@ -12,7 +12,7 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Overlap over diameter, if none is asked for.
+/// Overlap over diameter by default.
 const OVERLAP: f64 = 1.0e-3;
 
 #[derive(Debug, Args)]
@@ -73,7 +73,7 @@ fn wall_of(case: &Case, name: &str) -> anyhow::Result<usize> {
     })
 }
 
-/// Two particles of these species, or one of the first and the wall of a number.
+/// Two particles of these species, or one of the first species and the wall with a number.
 struct Partners {
     species: [usize; 2],
     wall: Option<usize>,

@@ -1,4 +1,4 @@
-//! `talcum info`: of a checkpoint, or of the program itself.
+//! `talcum info`: description of a checkpoint, or of the program itself.
 
 use super::report::count_of;
 use super::run::say;
@@ -31,7 +31,7 @@ pub(super) fn of_program(ranks: &dyn Communicator) -> anyhow::Result<()> {
     say(ranks, message.trim_end())
 }
 
-/// Describes what is in a checkpoint; the last line is the digest of its state.
+/// Describes the contents of a checkpoint; the last line is the digest of its state.
 pub(super) fn of_checkpoint(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> {
     let (checkpoint, provenance, digest) = checkpoint::read(path, ranks)?;
     let particles = ranks.total(checkpoint.particles.len());

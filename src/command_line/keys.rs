@@ -1,4 +1,4 @@
-//! `talcum keys`: what may stand in a case file.
+//! `talcum keys`: the keys of a case file.
 
 use super::run::say;
 use crate::case::{json_schema, manual, terminal};

@@ -1,11 +1,11 @@
-//! Processes that do not know of each other: a launcher has started many, and each takes itself for the whole run.
+//! Detection of processes that do not know each other: a launcher has started several, and each would do the whole run.
 
 use thiserror::Error;
 
 /// A launcher has started several processes, but MPI knows of one rank.
 #[derive(Debug, PartialEq, Eq, Error)]
 pub(super) enum LoneRanks {
-    /// Slurm, by an interface that this MPI does not speak.
+    /// Slurm, through an interface that this MPI does not support.
     #[error(
         "srun has started {0} tasks, but MPI sees one rank: each would run the whole case. Start them by srun --mpi=pmix \
          (in a job: export SLURM_MPI_TYPE=pmix), or by what srun --mpi=list shows and your MPI was built for; or by mpirun -n {0}"
@@ -19,7 +19,7 @@ pub(super) enum LoneRanks {
     OtherMpi(u64),
 }
 
-/// Ranks as threads, but a launcher has started several processes.
+/// Ranks are threads, but a launcher has started several processes.
 #[derive(Debug, PartialEq, Eq, Error)]
 #[error(
     "{processes} processes were started together, and threads are the ranks of one process: each would run the whole case. \
@@ -27,12 +27,12 @@ pub(super) enum LoneRanks {
 )]
 pub(super) struct ManyProcesses {
     processes: u64,
-    /// Whether this process is the one that says so.
+    /// Whether this process reports the error.
     pub(super) speaks: bool,
 }
 
-/// What launchers set: the number of processes, and which of them this is. The first that is found counts: `mpirun` may be
-/// called within a step of Slurm.
+/// Variables set by launchers: the number of processes, and the number of this one. The first one found counts:
+/// `mpirun` may be called within a step of Slurm.
 const LAUNCHERS: [[&str; 2]; 4] = [
     ["OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"],
     ["PMI_SIZE", "PMI_RANK"],
@@ -57,7 +57,8 @@ pub(super) fn require_one_process(
     }
 }
 
-/// Set by the launchers of Open MPI, and of MPICH and its relatives, to the number of processes that they start.
+/// Variables set by the launchers of Open MPI, and of MPICH and its relatives, to the number of processes that they
+/// start.
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
 
 /// Refuses to run as one of many runs of the same case. `variable` reads the environment.
@@ -72,7 +73,7 @@ pub(super) fn require_one_run(
         return Ok(());
     }
     let number = |name: &str| variable(name)?.parse::<u64>().ok();
-    // Not the largest: an mpirun of one rank may itself have been started by another launcher.
+    // The smallest is used, not the largest: an mpirun of one rank may itself have been started by another launcher.
     let launched = SIZES.iter().filter_map(|name| number(name)).min();
     let tasks = number("SLURM_STEP_NUM_TASKS").filter(|&tasks| tasks > 1);
     match (launched, tasks) {
@@ -112,7 +113,7 @@ mod tests {
     fn one_rank_among_several_tasks_is_refused() {
         let error = found(1, &[("SLURM_STEP_NUM_TASKS", "32")]).unwrap_err().to_string();
         assert!(error.contains("32 tasks") && error.contains("--mpi=list"), "{error}");
-        // The interface has passed them on, but MPI does not speak it.
+        // The interface has forwarded them, but this MPI does not support it.
         assert!(found(1, &[("SLURM_STEP_NUM_TASKS", "4"), ("PMI_SIZE", "4")]).is_err());
     }
 

@@ -4,7 +4,7 @@ use crate::parallel::is_on_root;
 use env_logger::{Builder, DEFAULT_FILTER_ENV, Env, Logger};
 use log::{Log, Metadata, Record};
 
-/// Where ranks are threads they have one log; as long as RUST_LOG does not ask for all, rank 0 writes it.
+/// The common log of ranks that are threads; unless RUST_LOG requests all ranks, rank 0 writes it.
 struct LogOfRanks {
     logger: Logger,
     of_all: bool,
@@ -26,7 +26,7 @@ impl Log for LogOfRanks {
     }
 }
 
-/// Starts the log of this process, down to a level if RUST_LOG does not say which.
+/// Starts the log of this process, down to a given level unless RUST_LOG sets one.
 pub(super) fn start_log(level: &str) {
     let environment = Env::default().default_filter_or(level);
     let logger = Builder::from_env(environment).format_timestamp(None).format_target(false).build();

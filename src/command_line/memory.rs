@@ -1,4 +1,4 @@
-//! How much memory a case needs, before any of it is taken, and how much the machines have.
+//! Estimate of the memory that a case needs, before any of it is allocated, and the free memory of the machines.
 
 use crate::case::{Amount, BedStart, Case};
 use crate::parallel::Communicator;
@@ -7,17 +7,17 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs::read_to_string;
 
-/// Bytes per particle in all: columns, ghosts, lists and contacts of a settled bed.
+/// Total bytes per particle: columns, ghosts, lists and contacts of a settled bed.
 const PER_PARTICLE: f64 = 600.0;
 /// Bytes per cell of a volume-averaged gas: its fields, those of its steps, and the levels of the multigrid (measured
 /// from 32^3 to 96^3).
 const PER_CELL: f64 = 550.0;
 /// Bytes per process: the program, MPI, HDF5.
 const PER_PROCESS: f64 = 50.0e6;
-/// Solids fraction of a random packing: of a bed that is given by its height no more can be there.
+/// Solids fraction of a random packing: an upper bound for a bed that is given by its height.
 const PACKED: f64 = 0.64;
 
-/// What a case needs in all, in bytes; particles that come from a file are not known yet.
+/// Total memory that a case needs, in bytes; the number of particles from a file is not known yet.
 pub(super) fn needed(case: &Case, particles: Option<f64>, ranks: &dyn Communicator) -> f64 {
     let particles = particles.unwrap_or_else(|| expected_particles(case));
     let cells = case
@@ -40,7 +40,7 @@ fn expected_particles(case: &Case) -> f64 {
     }
 }
 
-/// Refuses a case that the machines cannot hold. Collective.
+/// Refuses a case that exceeds the memory of the machines. Collective.
 pub(super) fn require(
     case: &Case,
     any_memory: bool,
@@ -58,7 +58,7 @@ pub(super) fn require(
     )
 }
 
-/// Free memory of all machines that have a rank, in bytes; `None` where it is not known. The same on all ranks.
+/// Free memory of all machines that have a rank, in bytes; `None` if it is not known. Equal on all ranks.
 fn free_on_all(ranks: &dyn Communicator) -> Option<f64> {
     let host = read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let here = format!("{}\n{}", host.trim(), free_here().unwrap_or(f64::NAN));
@@ -73,7 +73,7 @@ fn free_on_all(ranks: &dyn Communicator) -> Option<f64> {
     sum[0].is_finite().then_some(sum[0])
 }
 
-/// What this machine, or the group of processes that a batch system has made for the job, has left.
+/// Free memory of this machine, or of the process group that a batch system has made for the job.
 fn free_here() -> Option<f64> {
     let table = read_to_string("/proc/meminfo").ok()?;
     let line = table.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -94,7 +94,7 @@ mod tests {
     fn machines_are_counted_once_whatever_their_ranks() {
         let alone = run_on_threads(1, free_on_all)[0].unwrap();
         let shared = run_on_threads(3, free_on_all);
-        // Memory comes and goes between two checks, but not a whole machine of it.
+        // The free memory changes between two checks, but not by that of a whole machine.
         assert!(shared.iter().all(|free| *free == shared[0]));
         assert!((shared[0].unwrap() / alone - 1.0).abs() < 0.5);
     }

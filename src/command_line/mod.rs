@@ -1,4 +1,4 @@
-//! What the user types, and what the program answers.
+//! The command line: what the user enters, and the actions of the program.
 
 mod analyse;
 mod check;
@@ -142,7 +142,7 @@ fn rank_grid(text: &str) -> Result<RankGrid, String> {
     }
 }
 
-/// More threads are a slip of the keyboard.
+/// Largest number of threads: a larger one is a typing error.
 const MOST_THREADS: u64 = 512;
 /// Exit code for a command line that cannot be understood.
 const USAGE: u8 = 2;
@@ -151,7 +151,7 @@ const USAGE: u8 = 2;
 /// non-zero exit code on all ranks.
 pub fn main() -> ExitCode {
     match CommandLine::try_parse().map(|line| line.command) {
-        // A study starts runs as processes of their own, which a process of MPI may not do.
+        // A study starts runs as separate processes, which a process of MPI must not do.
         Ok(Command::Study(options)) => alone(|| study::run(&options, std::env::current_exe()?)),
         Ok(Command::Analyse(options)) => alone(|| analyse::analyse(&options)),
         Ok(Command::Watch(options)) => alone(|| watch::watch(&options)),
@@ -170,7 +170,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Does what needs no ranks.
+/// Runs a command that needs no ranks.
 fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     start_log("info");
     work().unwrap_or_else(|error| {
@@ -179,18 +179,18 @@ fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     })
 }
 
-/// Prints how commands are written, from one rank.
+/// Prints the usage, from one rank.
 fn print_usage(usage: &clap::Error) -> ExitCode {
     let done = on_ranks(None, |ranks| {
         let printed = if ranks.is_root() { usage.print() } else { Ok(()) };
-        // Nothing is left to say where standard error is closed or full.
+        // Nothing can be done if standard error is closed or full.
         let printed = if usage.use_stderr() { Ok(()) } else { unless_closed(printed) };
         Ok(agree(printed, ranks)?)
     });
     if usage.use_stderr() { ExitCode::from(USAGE) } else { done }
 }
 
-/// Prints an error; nothing is left to do if standard error is closed.
+/// Prints an error; nothing can be done if standard error is closed.
 fn complain(error: &anyhow::Error) {
     let _ = writeln!(std::io::stderr(), "error: {error:#}");
 }
@@ -215,7 +215,7 @@ fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<(
     }
 }
 
-/// Refuses an unknown name in `TALCUM_VECTORS` on any rank: the environment of some may lack it. Collective.
+/// Rejects an unknown name in `TALCUM_VECTORS` on any rank: the variable may be missing on some. Collective.
 fn require_known_vectors(ranks: &dyn Communicator) -> anyhow::Result<()> {
     let checked = check_instruction_set();
     let mut wrong = [i64::from(checked.is_err())];
@@ -230,7 +230,7 @@ fn require_known_vectors(ranks: &dyn Communicator) -> anyhow::Result<()> {
 }
 
 impl RankCommand {
-    /// How many threads it shall run on, if any.
+    /// The requested number of threads, if any.
     fn threads(&self) -> Option<usize> {
         let changes = match self {
             Self::Check { changes, .. } => changes,

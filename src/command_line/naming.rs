@@ -1,13 +1,13 @@
-//! The title of a run says what differs from its case file, and which state the run begins with.
+//! Title of a run: it gives the differences from its case file, and the state with which the run begins.
 
 use crate::analysis::Digest;
 use crate::case::{Case, CaseErrors, changes};
 
-/// Sections and keys that change no number of the results, and are not named.
+/// Sections and keys that do not change the results, and are not named.
 const WITHOUT_EFFECT: [&str; 4] = ["title", "parallel", "run", "checkpoint"];
 
-/// Adds to the title what was set on the command line and which state the run begins with; in the text of the case too,
-/// which results and checkpoints hold. A title that was set itself is left alone.
+/// Adds to the title the settings of the command line and the state with which the run begins; also in the text of the
+/// case, which is part of results and checkpoints. A title that was set explicitly is unchanged.
 pub(super) fn name_differences(
     case: &mut Case,
     set: &[String],
@@ -33,8 +33,8 @@ pub(super) fn name_differences(
     Ok(())
 }
 
-/// Takes title and text from those of an earlier part of the same run, if nothing but the title differs; says whether
-/// that is so.
+/// Takes over title and text from an earlier part of the same run, if only the title differs; returns whether this is
+/// so.
 pub(super) fn adopt_title(case: &mut Case, set: &[String], earlier: &str) -> bool {
     let differences = changes(earlier, &case.text);
     if sets_title(set) || !differences.iter().all(|change| change.key == "title") {
@@ -76,7 +76,7 @@ mod tests {
         // The text says the same, and reading it gives the same case.
         let again = Case::from_text(&changed.text, "again", Path::new(""), &[]).unwrap();
         assert_eq!(again.title, changed.title);
-        // Called again, as by a restart with the same change, it adds nothing.
+        // When it is called again, as by a restart with the same change, it adds nothing.
         let before = changed.clone();
         name_differences(&mut changed, &set, None).unwrap();
         assert_eq!(changed, before);

@@ -1,4 +1,4 @@
-//! `talcum new`: a commented case to begin with, one of those of the gallery (docs/gallery.md).
+//! `talcum new`: a commented case to begin with, from the gallery (docs/gallery.md).
 
 use crate::output::{print, write_whole};
 use anyhow::anyhow;
@@ -31,7 +31,7 @@ pub(super) struct NewOptions {
     output: Option<PathBuf>,
 }
 
-/// Writes a case, or lists those that there are.
+/// Writes a case, or lists the available ones.
 pub(super) fn new(options: &NewOptions) -> anyhow::Result<ExitCode> {
     let Some(kind) = &options.kind else {
         print(&list())?;
@@ -54,7 +54,7 @@ pub(super) fn new(options: &NewOptions) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Each case with what it is, which its first line says.
+/// Each case with its description, which is its first line.
 fn list() -> String {
     let line = |(name, case): (&str, &str)| {
         let what = case.lines().next().unwrap_or_default().trim_start_matches("# ");
@@ -63,12 +63,12 @@ fn list() -> String {
     CASES.map(line).join("\n")
 }
 
-/// What to look at, which the second line of a case says.
+/// The second line of a case, which names the results of interest.
 fn second_line(case: &str) -> &str {
     case.lines().nth(1).unwrap_or_default()
 }
 
-/// A file that is there stays as it is.
+/// Writes a file, unless it exists already.
 fn write(path: &Path, text: &str) -> Result<(), String> {
     if path.symlink_metadata().is_ok() {
         return Err("it is there already".to_owned());

@@ -1,11 +1,11 @@
-//! How far a run is: a bar on a terminal, a line now and then in a batch log.
+//! Progress of a run: a bar on a terminal, or a line from time to time in a batch log.
 
 use crate::simulation::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write, stderr};
 use std::time::{Duration, Instant};
 
-/// Time between lines where there is no terminal.
+/// Time between lines without a terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(30);
 /// Time between changes of the bar.
 const BETWEEN_DRAWS: Duration = Duration::from_millis(200);
@@ -17,7 +17,7 @@ pub(super) struct ProgressReport {
 }
 
 impl ProgressReport {
-    /// Only rank 0 has something to show.
+    /// A report; only rank 0 writes anything.
     pub(super) fn new(is_root: bool) -> Self {
         let bar = (is_root && stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(1);
@@ -47,7 +47,7 @@ impl ProgressReport {
             }
             None => {
                 let percent = 100.0 * done as f64 / (done + left).max(1) as f64;
-                // Nobody reads it if standard error is closed or full; the run is worth more.
+                // Nobody reads it if standard error is closed or full; the run is more important.
                 let _ = writeln!(stderr(), "{percent:5.1} %  {message}");
             }
         }
@@ -70,9 +70,9 @@ fn message(progress: &Progress) -> String {
     )
 }
 
-/// A duration in seconds as people say it: 45 s, 12 min, 3 h 20 min, 4 days.
+/// A duration in seconds in readable form: 45 s, 12 min, 3 h 20 min, 4 days.
 pub(super) fn readable(seconds: f64) -> String {
-    // Beyond what a counter holds, the number itself says enough.
+    // Beyond the range of a counter, the number itself suffices.
     if seconds >= 1.0e15 {
         return format!("{:.1e} years", seconds / (365.25 * 86_400.0));
     }

@@ -1,4 +1,4 @@
-//! How the ranks of a command start: as processes of MPI, or as threads of this one.
+//! Start of the ranks of a command: as processes of MPI, or as threads of this process.
 
 use super::launchers::require_one_process;
 use super::{complain, start_log};
@@ -10,17 +10,17 @@ use std::time::Duration;
 
 /// Exit code after any error of a command that was understood.
 const FAILURE: i32 = 1;
-/// How long processes that are refused leave the word to the first: launchers end all once one has ended.
+/// Time for which refused processes wait for the message of the first: launchers end all once one has ended.
 const PAUSE: Duration = Duration::from_secs(1);
-/// Ranks where nobody says how many, in a program without MPI.
+/// Default number of ranks in a program without MPI.
 #[cfg(not(feature = "mpi"))]
 const THREADS: usize = 1;
 
-/// What ranks do together, with the same result on all.
+/// Work that ranks do together, with the same result on all.
 pub(super) trait Work: Fn(&dyn Communicator) -> anyhow::Result<()> + Sync {}
 impl<F: Fn(&dyn Communicator) -> anyhow::Result<()> + Sync> Work for F {}
 
-/// Does something on so many threads; without a number on the ranks of MPI, or on one thread in a program without it.
+/// Runs work on a number of threads; without a number on the ranks of MPI, or on one thread in a program without it.
 pub(super) fn on_ranks(threads: Option<usize>, work: impl Work) -> ExitCode {
     match threads {
         Some(threads) => on_threads(threads, work),
@@ -37,7 +37,7 @@ fn by_default(work: impl Work) -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    // The other ranks speak only where RUST_LOG asks for it.
+    // The other ranks write to the log only if RUST_LOG requests it.
     start_log(if ranks.is_root() { "info" } else { "off" });
     let result = work(&ranks);
     if let Err(error) = &result {
@@ -68,7 +68,7 @@ fn on_threads(threads: usize, work: impl Work) -> ExitCode {
     }
     let results = start_on_threads(threads, work)
         .with_context(|| format!("the system refuses {threads} threads: use fewer"));
-    // The result is the same on all ranks.
+    // The result is equal on all ranks.
     let result = results.and_then(|results| results.into_iter().collect());
     if let Err(error) = &result {
         complain(error);

@@ -1,10 +1,11 @@
-//! Cases, read once and known to all ranks.
+//! Cases that are read once and known to all ranks.
 
 use crate::case::Case;
 use crate::parallel::{Communicator, agree};
 use std::path::Path;
 
-/// Rank 0 reads the file, all ranks read its text: one file system, one version, one message.
+/// Reads a case: rank 0 reads the file, and all ranks use its text, so that there is one file system, one version, and
+/// one message.
 pub(super) fn read_case(
     path: &Path,
     overrides: &[String],

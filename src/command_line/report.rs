@@ -1,11 +1,11 @@
-//! What a run reports: at its start, and at its end.
+//! Reports of a run at its start and at its end.
 
 use super::progress::readable;
 use crate::case::Case;
 use crate::simulation::Outcome;
 use std::fmt::Write;
 
-/// The head of a run: what runs, and which choices the case left open.
+/// The head of a run: its case, and the choices that the case leaves open.
 pub(super) fn head(case: &Case, particles: usize, ranks: usize) -> String {
     let mut message =
         format!("{}: {particles} particles on {}\n", case.title, count_of(ranks, "rank"));
@@ -24,12 +24,12 @@ pub(super) fn count_of(count: usize, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
-/// A number to be read, to six digits: lengths of a box are rounded to a quantum, 0.002 to 0.0020000000000000018.
+/// A number in readable form, to six digits: lengths of a box are rounded to a quantum, 0.002 to 0.0020000000000000018.
 pub(super) fn six_digits(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }
 
-/// The end of a run: rates, the share of each phase of the step, and what has left.
+/// The end of a run: rates, the share of each phase of the step, and the particles that have left.
 pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
     let seconds = outcome.elapsed.as_secs_f64();
     let rate = outcome.particle_steps / seconds.max(1.0e-9) * 1.0e-6;

@@ -16,7 +16,7 @@ use crate::simulation::{
 use anyhow::{Context, anyhow, bail};
 use std::path::{Path, PathBuf};
 
-/// What happens to the results of an earlier run in the output folder.
+/// Treatment of the results of an earlier run in the output folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Earlier {
     /// They are kept: the run does not start.
@@ -67,7 +67,7 @@ pub(super) fn run(
     run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
-/// Continues from a checkpoint with the case that it holds.
+/// Continues from a checkpoint with the case that it contains.
 pub(super) fn restart(
     path: &Path,
     options: &RunArguments,
@@ -85,7 +85,7 @@ pub(super) fn restart(
     let own_folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let output = options.output.clone().unwrap_or_else(|| own_folder.clone());
     let folder = OutputFolder { path: output, case_folder };
-    // Results are continued where the checkpoint lies among them; elsewhere new ones begin.
+    // Results are continued if the checkpoint lies among them; otherwise new ones begin.
     let continues = same_folder(&folder.path, &own_folder);
     if continues && earlier == Earlier::Remove {
         bail!(
@@ -107,13 +107,13 @@ pub(super) fn restart(
     run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
-/// Says what is different from the case that a checkpoint was written with.
+/// Prints the differences from the case with which a checkpoint was written.
 fn say_changes(before: &str, case: &Case, ranks: &dyn Communicator) -> anyhow::Result<()> {
     let mut changes = changes(before, &case.text).into_iter();
     changes.try_for_each(|change| say(ranks, &format!("changed since the checkpoint: {change}")))
 }
 
-/// The start of the case, whose title then says what is not as in its file.
+/// The start of the case, whose title then gives the differences from its file.
 fn begin(
     case: &mut Case,
     options: &RunArguments,
@@ -173,8 +173,8 @@ fn resume(
     }
 }
 
-/// The case that a complete run was computed with, if the present one differs from it: results that are mended, and the end, are
-/// not those of another case. How the box is divided may change. Collective.
+/// The case with which a complete run was computed, if the present one differs from it: repaired results, and the end,
+/// are not those of another case. The division of the box may change. Collective.
 fn case_of_complete_run(
     case: &Case,
     folder: &OutputFolder,
@@ -190,13 +190,13 @@ fn case_of_complete_run(
     }
     let name = "the case of the run's end";
     let ended = agree(Case::of_earlier_run(&end.case_text, name, &folder.case_folder, &[]), ranks)?;
-    // Times are multiples of the step, and ends need not be.
+    // Times are multiples of the step, but ends need not be.
     let is_reached = |time: f64| time - end.clock.time() <= 1.0e-9 * time.abs();
     let until = |case: &Case| options.until.unwrap_or(case.end_time());
     Ok(Some(ended).filter(|ended| is_reached(until(ended)) && is_reached(until(case))))
 }
 
-/// Refuses, or removes, what an earlier run has left.
+/// Refuses or removes the results of an earlier run.
 fn prepare_folder(
     folder: &OutputFolder,
     earlier: Earlier,
@@ -247,7 +247,8 @@ fn run_to_end(
     say(ranks, &summary(&outcome, &resume, ranks.size()))
 }
 
-/// A step that failed, and where to resume: what it has begun has no meaning and is written nowhere.
+/// The error of a failed step, with the checkpoint from which to resume: the state after such a step is meaningless and
+/// is not written.
 fn with_newest_checkpoint(
     error: RunError,
     folder: &Path,

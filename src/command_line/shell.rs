@@ -1,5 +1,5 @@
-//! `talcum completions` and `talcum manual`: what shells and `man` know of the program. Both are made from the commands
-//! themselves, so packages make them when they are built.
+//! `talcum completions` and `talcum manual`: files for shells and `man`. Both are made from the commands themselves, so
+//! packages make them when they are built.
 
 use crate::output::print;
 use anyhow::Context;
@@ -25,7 +25,7 @@ pub(super) fn completions(
     options: &CompletionsOptions,
     mut command: Command,
 ) -> anyhow::Result<ExitCode> {
-    // Into memory first: a closed standard output would be a panic of the generator.
+    // The text is first written to memory, since the generator panics if standard output is closed.
     let mut text = Vec::new();
     clap_complete::generate(options.shell, &mut command, "talcum", &mut text);
     print(String::from_utf8_lossy(&text).trim_end())?;

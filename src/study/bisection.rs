@@ -4,20 +4,20 @@ use crate::study::measure::Value;
 use crate::study::setting::rounded;
 use std::fmt;
 
-/// What is searched for, and how.
+/// Parameters of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Bisection {
     /// The key whose critical value is sought.
     pub(crate) key: String,
-    /// Where the critical value is sought.
+    /// Ranges in which the critical value is sought.
     pub(crate) brackets: Brackets,
     /// The search ends when the bracket is no wider.
     pub(crate) tolerance: f64,
     /// Name of the measure that decides.
     pub(crate) measure: String,
-    /// The value of the measure that is crossed.
+    /// The value that the measure crosses.
     pub(crate) threshold: Threshold,
-    /// What the measure does as the key grows.
+    /// Change of the measure as the key increases.
     pub(crate) direction: Direction,
     /// Whether brackets are halved on a logarithmic scale.
     pub(crate) logarithmic: bool,
@@ -25,12 +25,12 @@ pub(crate) struct Bisection {
     pub(crate) line: usize,
 }
 
-/// What a measure crosses.
+/// The value that a measure crosses.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Threshold {
     /// A number.
     Number(f64),
-    /// This text and all others: it counts as 1, the others as 0.
+    /// A text: this text counts as 1, all others as 0.
     Text(String),
 }
 
@@ -43,10 +43,10 @@ impl Threshold {
         }
     }
 
-    /// What a measured value counts as.
+    /// The number that represents a measured value.
     ///
     /// # Errors
-    /// If it is no number, and no text that could be the threshold.
+    /// If it is neither a number nor a text that could be the threshold.
     pub(crate) fn count(&self, value: &Value) -> Result<f64, String> {
         match (value, self) {
             (Value::Number(number), Self::Number(_)) if !number.is_nan() => Ok(*number),
@@ -74,7 +74,7 @@ pub(crate) enum Brackets {
     One([f64; 2]),
     /// One for each position of an axis.
     Along {
-        /// Which axis.
+        /// The axis.
         axis: usize,
         /// One bracket for each of its positions.
         brackets: Vec<[f64; 2]>,
@@ -82,7 +82,7 @@ pub(crate) enum Brackets {
 }
 
 impl Brackets {
-    /// All of them.
+    /// All brackets.
     pub(crate) fn all(&self) -> &[[f64; 2]] {
         match self {
             Self::One(bracket) => std::slice::from_ref(bracket),
@@ -99,7 +99,7 @@ impl Brackets {
     }
 }
 
-/// Whether the measure crosses its threshold upwards or downwards as the key grows.
+/// Direction in which the measure crosses its threshold as the key increases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// Below the threshold first, then above.
@@ -109,7 +109,7 @@ pub(crate) enum Direction {
 }
 
 impl Direction {
-    /// What a study file calls it.
+    /// Its name in a study file.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Rises => "rises",
@@ -118,10 +118,10 @@ impl Direction {
     }
 }
 
-/// How far a search has come.
+/// Progress of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Search {
-    /// The measure must be known at these values of the key first.
+    /// The measure is first needed at these values of the key.
     Needs(Vec<f64>),
     /// The critical value lies between these two values of the key.
     Found([f64; 2]),
@@ -135,8 +135,8 @@ pub(crate) enum Search {
 }
 
 impl Bisection {
-    /// Goes through the search as far as the measure is known. It depends on measures only, so that a search
-    /// that was interrupted takes the same course again.
+    /// Follows the search as far as the measure is known. It depends only on measures, so that an interrupted search
+    /// takes the same course again.
     pub(crate) fn search(
         &self,
         bracket: [f64; 2],
@@ -165,13 +165,13 @@ impl Bisection {
         Search::Found([lower, upper])
     }
 
-    /// Where a bracket is halved, with twelve digits.
+    /// The value at which a bracket is halved, with twelve digits.
     pub(crate) fn middle(&self, lower: f64, upper: f64) -> f64 {
         rounded(if self.logarithmic { (lower * upper).sqrt() } else { 0.5 * (lower + upper) })
     }
 
-    /// Whether a measured value is on the side of the threshold that belongs to large values of the key. Not a
-    /// number is on neither side, so that it is not beyond.
+    /// Whether a measured value is on the side of the threshold that belongs to large values of the key. NaN is on
+    /// neither side, so it is not beyond.
     fn is_beyond(&self, value: f64) -> bool {
         match self.direction {
             Direction::Rises => value >= self.threshold.number(),
@@ -179,7 +179,7 @@ impl Bisection {
         }
     }
 
-    /// Why a search ended without a crossing.
+    /// The reason why a search ended without a crossing.
     pub(crate) fn explain(&self, bracket: [f64; 2], measured: [f64; 2]) -> String {
         let Self { key, measure, threshold, line, .. } = self;
         let [lower, upper] = bracket;
@@ -241,7 +241,7 @@ mod tests {
         }
     }
 
-    /// Follows a search to its end, one measurement after another; returns how many there were.
+    /// Follows a search to its end, one measurement after another; returns the number of measurements.
     fn follow(
         search: &Bisection,
         bracket: [f64; 2],

@@ -1,4 +1,4 @@
-//! The text of a case: what identifies the run that it describes, and the case of a continued run.
+//! The text of a case: the identity of its run, and the case of a continued run.
 
 use crate::case::{for_each_value, use_first_names};
 use crate::study::definition::Continuation;
@@ -11,7 +11,7 @@ use toml_edit::{DocumentMut, InlineTable, Item};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct EffectiveCase(Table);
 
-/// Sections and keys that change no number of the results.
+/// Sections and keys that do not change the results.
 const WITHOUT_EFFECT: [&str; 4] = ["title", "parallel", "run", "checkpoint"];
 
 impl EffectiveCase {
@@ -23,8 +23,8 @@ impl EffectiveCase {
         text.parse().map(Self).map_err(|error| format!("not valid TOML: {error}"))
     }
 
-    /// BLAKE3 hash of what decides the results. `start` stands for the state that the run starts with, if that
-    /// is the end of another run of the study.
+    /// BLAKE3 hash of all settings that determine the results. `start` identifies the state with which the run starts,
+    /// if this is the end of another run of the study.
     pub(crate) fn identity(&self, start: Option<&str>) -> String {
         let mut table = self.0.clone();
         use_first_names(&mut table);
@@ -46,7 +46,7 @@ impl EffectiveCase {
         self.0.to_string()
     }
 
-    /// All keys that decide the results, by their paths, with their values as texts.
+    /// All keys that determine the results, by their paths, with their values as texts.
     pub(crate) fn flat(&self) -> BTreeMap<String, String> {
         let mut all = BTreeMap::new();
         let mut table = self.0.clone();
@@ -62,7 +62,7 @@ impl EffectiveCase {
         all
     }
 
-    /// When the run ends, if the case says so.
+    /// Time at which the run ends, if the case gives it.
     pub(crate) fn end_time(&self) -> Option<f64> {
         let Some(Value::Array(stages)) = self.0.get("stage") else {
             return number(self.0.get("time")?.get("end")?);
@@ -72,8 +72,8 @@ impl EffectiveCase {
         Some(durations?.iter().sum())
     }
 
-    /// The earliest time that the last row of `series.csv` may have when the run has come to its end. Rows are due at multiples
-    /// of their interval, and stand at the nearest step.
+    /// The earliest possible time of the last row of `series.csv` of a run that has come to its end. Rows are due at
+    /// multiples of their interval, and are written at the nearest step.
     pub(crate) fn last_row(&self) -> Option<f64> {
         /// Rounding error of sums of steps; far below any interval.
         const ROUNDING: f64 = 1.0e-9;
@@ -99,10 +99,10 @@ fn number(value: &Value) -> Option<f64> {
     value.as_float().or(value.as_integer().map(|whole| whole as f64))
 }
 
-/// Keys of the case that a continued run must not have: its particles come from the run before.
+/// Keys of the case that a continued run must not have: its particles come from the previous run.
 const OF_A_NEW_BED: [&str; 2] = ["count", "fill_height"];
 
-/// Whether a setting makes no sense for a continued run.
+/// Whether a setting is not valid for a continued run.
 pub(crate) fn belongs_to_a_new_bed(key: &str) -> bool {
     let below = |outer: &str| {
         key.strip_prefix("particles.")
@@ -112,11 +112,11 @@ pub(crate) fn belongs_to_a_new_bed(key: &str) -> bool {
     below("start") || OF_A_NEW_BED.into_iter().any(below)
 }
 
-/// The case of continued runs: the bed is the end of another run, whose path is set for each run, and the
-/// stages before the one named are left out.
+/// The case of continued runs: the bed is the end of another run, whose path is set for each run, and the stages before
+/// the named one are left out.
 ///
 /// # Errors
-/// If the text is not TOML, or lacks what is changed.
+/// If the text is not TOML, or lacks the keys to be changed.
 pub(crate) fn continued(text: &str, continuation: &Continuation) -> Result<String, String> {
     let mut document: DocumentMut =
         text.parse().map_err(|error| format!("not valid TOML: {error}"))?;

@@ -1,4 +1,4 @@
-//! Reads the cases of runs, and refuses them before anything runs.
+//! Reading and checking of the cases of runs, before anything runs.
 
 use crate::case::Case;
 use crate::post_processing;
@@ -8,21 +8,21 @@ use crate::study::run_outline::RunOutline;
 use crate::study::setting::Setting;
 use std::path::{Path, PathBuf};
 
-/// The case file of a run and what is set in it.
+/// The case file of a run, and the settings to be made in it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CaseRequest {
     /// The case file.
     pub(crate) case: PathBuf,
-    /// What is set.
+    /// The settings.
     pub(crate) settings: Vec<Setting>,
 }
 
-/// Reads cases, and says what is wrong with them.
+/// Reads cases, and reports their errors.
 pub(crate) trait CaseChecker {
     /// The case with its settings.
     ///
     /// # Errors
-    /// If it cannot be read, or if a setting leads nowhere.
+    /// If it cannot be read, or if the path of a setting does not exist.
     fn effective(&self, case: &Path, settings: &[Setting]) -> Result<EffectiveCase, CaseProblem> {
         let name = case.display().to_string();
         let of_file = |message: String| CaseProblem::of_file(format!("{name}: {message}"));
@@ -35,11 +35,11 @@ pub(crate) trait CaseChecker {
         EffectiveCase::parse(&text).map_err(of_file)
     }
 
-    /// Validates a case in full, and says what its run will measure. The state with which the run starts may not be there
-    /// yet.
+    /// Validates a case completely, and describes the measures of its run. The state with which the run starts need not
+    /// exist yet.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    /// All its errors.
     fn check(&self, request: &CaseRequest) -> Result<RunOutline, Vec<CaseProblem>>;
 }
 

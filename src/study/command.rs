@@ -1,4 +1,4 @@
-//! `talcum study`: what the user types, and what the study answers.
+//! `talcum study`: its options and its actions.
 
 use crate::output::lock::{Sharing, holder, sign, try_lock, wait_for_lock};
 use crate::output::{ResultTable, print};
@@ -65,19 +65,19 @@ pub struct StudyOptions {
     pub(crate) write_row: bool,
 }
 
-/// Exit code of a study that was stopped and can be resumed: "try again", as sysexits.h has it.
+/// Exit code of a study that was stopped and can be resumed: "try again" in sysexits.h.
 pub(crate) const STOPPED: u8 = 75;
 
-/// Does what the options of `talcum study` ask for; `program` runs the cases. The exit code is 0 if all is complete, 1
-/// if something failed, 75 if the study was stopped and can be resumed.
+/// Executes `talcum study` with these options; `program` runs the cases. The exit code is 0 if all is complete, 1 if
+/// something failed, 75 if the study was stopped and can be resumed.
 ///
 /// # Errors
-/// If the study is refused, or its folder cannot be written.
+/// If the study is rejected, or its folder cannot be written.
 pub fn run(options: &StudyOptions, program: PathBuf) -> anyhow::Result<ExitCode> {
     StudyCommand { program }.run(options)
 }
 
-/// What a study works with.
+/// A study with its options and the program for its runs.
 struct StudyCommand {
     /// The program that runs cases.
     program: PathBuf,
@@ -153,11 +153,12 @@ impl StudyCommand {
         Ok(())
     }
 
-    /// Writes all tables; whether every complete run could be measured.
+    /// Writes all tables; returns whether every complete run could be measured.
     fn write_tables(&self, session: &Session<'_>) -> anyhow::Result<bool> {
         let root = session.folder.root();
         make_folder(root).map_err(anyhow::Error::msg)?;
-        // Whoever writes last has read last: tables of several processes do not overtake each other.
+        // The process that writes last has also read last, so that tables of several processes do not overtake each
+        // other.
         let _lock = wait_for_lock(&root.join("tables.lock")).map_err(anyhow::Error::msg)?;
         let collected = collect(session).map_err(anyhow::Error::msg)?;
         let mut written = csv::write(&collected.tables, root).map_err(anyhow::Error::msg)?;
@@ -172,7 +173,7 @@ impl StudyCommand {
     }
 }
 
-/// All tables in one file, `study.h5`; its root has their provenance, and the hash of what they hold.
+/// Writes all tables into one file, `study.h5`; its root has their provenance, and the hash of their contents.
 fn write_hdf5(tables: &[ResultTable], root: &Path) -> anyhow::Result<PathBuf> {
     let path = root.join("study.h5");
     let mut provenance = tables.first().map(|table| table.provenance.clone()).unwrap_or_default();
@@ -195,7 +196,7 @@ impl StudyOptions {
         self.output.clone().unwrap_or_else(|| StudyFolder::default_of(&self.study))
     }
 
-    /// The runs that need not be made. Those of a chain begin with each other's ends, of which tables hold nothing.
+    /// The runs that need not be made. Runs of a chain begin with each other's ends, which tables do not contain.
     fn known_runs(&self, study: &Study) -> anyhow::Result<KnownRuns> {
         if !self.known.is_empty() && study.continuation.is_some() {
             bail!(
@@ -223,7 +224,7 @@ impl StudyOptions {
     }
 }
 
-/// Keeps other processes from the same work: from the whole study, or from one task of it.
+/// Locks the work against other processes: the whole study, or one task of it.
 fn lock(root: &Path, options: &StudyOptions, tasks: &[Task]) -> anyhow::Result<Vec<File>> {
     let sharing = if options.run.is_some() { Sharing::Shared } else { Sharing::Exclusive };
     let mut locks = vec![take(&root.join("study.lock"), sharing)?];

@@ -1,4 +1,4 @@
-//! What a study file defines.
+//! The definition of a study, from its file.
 
 use crate::study::bisection::Bisection;
 use crate::study::measure::NamedMeasure;
@@ -6,28 +6,28 @@ use crate::study::setting::{Setting, Value};
 use crate::study::start::Start;
 use std::path::PathBuf;
 
-/// A study as its file describes it.
+/// A study as described by its file.
 #[derive(Debug)]
 pub(crate) struct Study {
-    /// The study file as the user named it.
+    /// Path of the study file, as given by the user.
     pub(crate) file: PathBuf,
-    /// What the user calls the study.
+    /// Title given by the user.
     pub(crate) title: String,
-    /// The case that all runs share.
+    /// The case of all runs.
     pub(crate) case: PathBuf,
-    /// Values of keys that all runs share.
+    /// Settings of all runs.
     pub(crate) common: Vec<Setting>,
     /// The axes of the grid; the last one varies fastest.
     pub(crate) axes: Vec<Axis>,
-    /// What is varied to measure scatter, usually the seed.
+    /// The axis that is varied to measure scatter, usually the seed.
     pub(crate) replicates: Option<Axis>,
-    /// The other study with whose ends runs begin.
+    /// The other study with whose ends the runs begin.
     pub(crate) start: Option<Start>,
-    /// Whether runs start with the last state of the one before.
+    /// Set if runs start with the last state of the previous one.
     pub(crate) continuation: Option<Continuation>,
     /// The search for a critical value.
     pub(crate) bisection: Option<Bisection>,
-    /// What is measured on every run.
+    /// Measures of every run.
     pub(crate) measures: Vec<NamedMeasure>,
     /// Confidence level of the intervals, for example 0.95.
     pub(crate) confidence: f64,
@@ -38,7 +38,7 @@ pub(crate) struct Study {
 /// One axis of the grid: keys that move together, and the values that they take.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Axis {
-    /// What the study calls it: the given name, or its first key.
+    /// Its name in the study: the given name, or its first key.
     pub(crate) name: String,
     /// Keys of the case.
     pub(crate) keys: Vec<String>,
@@ -69,39 +69,39 @@ impl Axis {
     }
 }
 
-/// Each run starts with the last state of the one before along an axis.
+/// A chain of runs along an axis, each of which starts with the last state of the previous one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Continuation {
     /// Position of the axis in [`Study::axes`].
     pub(crate) axis: usize,
-    /// The stage with which continued runs begin; the stages before it are left out of them.
+    /// The stage with which continued runs begin; the stages before it are left out.
     pub(crate) from_stage: Option<String>,
     /// Values that only continued runs take.
     pub(crate) settings: Vec<Setting>,
 }
 
-/// How runs are started.
+/// Resources for starting runs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Resources {
     /// Ranks of each run.
     pub(crate) ranks: u64,
-    /// How many runs work at the same time.
+    /// Number of runs that work at the same time.
     pub(crate) at_a_time: u64,
-    /// How a run of several ranks starts.
+    /// Launcher of a run with several ranks.
     pub(crate) launcher: Launcher,
 }
 
-/// How a program starts on several ranks.
+/// Launcher of a program on several ranks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Launcher {
-    /// By itself, with threads as ranks.
+    /// None: the ranks are threads.
     Threads,
-    /// By the words of a command; `{ranks}` stands for the number of ranks.
+    /// The words of a command; `{ranks}` is replaced by the number of ranks.
     Command(Vec<String>),
 }
 
 impl Launcher {
-    /// Reads what a study or the command line says: the word `threads`, or a command.
+    /// Reads a text from a study or the command line: the word `threads`, or a command.
     pub(crate) fn from_text(text: &str) -> Self {
         match text.trim() {
             "threads" => Self::Threads,
@@ -126,7 +126,7 @@ impl Study {
         of_axes.chain(searched).chain(replicated).collect()
     }
 
-    /// Everything that the study sets anywhere.
+    /// All settings in the study.
     pub(crate) fn all_settings(&self) -> Vec<Setting> {
         let of_axis = |axis: &Axis| {
             (0..axis.values.len()).flat_map(|position| axis.settings(position)).collect::<Vec<_>>()
@@ -136,7 +136,7 @@ impl Study {
         self.common.iter().cloned().chain(axes).chain(continued).collect()
     }
 
-    /// How many replicates of each point there are.
+    /// Number of replicates of each point.
     pub(crate) fn replicate_count(&self) -> usize {
         self.replicates.as_ref().map_or(1, |axis| axis.values.len())
     }

@@ -1,7 +1,7 @@
-//! The folder of a study: a folder for each run, and what can be read off it.
+//! The folder of a study: it contains a folder for each run, from which the state of the study follows.
 //!
-//! Nothing else keeps the state of a study. A run is complete if Talcum says so in its folder and the case
-//! that was run is the one that the study asks for.
+//! The state of a study is not stored anywhere else. A run is complete if Talcum has marked its folder as complete, and
+//! the case that was run is the one required by the study.
 
 use crate::output;
 use crate::output::lock::{Sharing, try_lock};
@@ -17,27 +17,27 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Written by Talcum at the end of a run; holds the digest.
+/// Written by Talcum at the end of a run; contains the digest.
 pub(crate) const COMPLETE: &str = "complete";
-/// Why a run failed.
+/// Contains the reason why a run failed.
 pub(crate) const FAILED: &str = "failed";
-/// Held for as long as a run is active.
+/// Locked while a run is active.
 const RUN_LOCK: &str = "lock";
 
 /// The folder of a study.
 #[derive(Debug)]
 pub(crate) struct StudyFolder {
     root: PathBuf,
-    /// Folders of runs by the marks at the ends of their names.
+    /// Folders of runs, by the marks at the ends of their names.
     by_mark: HashMap<String, String>,
-    /// Digests of runs that were found complete.
+    /// Digests of runs that have been found complete.
     complete: RefCell<HashMap<String, String>>,
     /// Runs that need not be made here.
     known: KnownRuns,
 }
 
 impl StudyFolder {
-    /// The folder at a path, with the runs that are in it. Nothing is written.
+    /// The folder at a path, with the runs in it. Nothing is written.
     pub(crate) fn at(root: &Path) -> Self {
         let entries = std::fs::read_dir(root.join("runs")).into_iter().flatten().flatten();
         let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -50,17 +50,17 @@ impl StudyFolder {
         }
     }
 
-    /// The folder with runs that were made elsewhere.
+    /// This folder with runs that were made elsewhere.
     pub(crate) fn with_known(self, known: KnownRuns) -> Self {
         Self { known, ..self }
     }
 
-    /// Where that of a study file is unless the user says otherwise.
+    /// The default folder for a study file.
     pub(crate) fn default_of(study: &Path) -> PathBuf {
         Path::new("results").join(study.file_stem().unwrap_or_default())
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn root(&self) -> &Path {
         &self.root
     }
@@ -86,7 +86,7 @@ impl StudyFolder {
         Some(Path::new("runs").join(self.name_of(member)).join(newest))
     }
 
-    /// Takes the lock of a run; `None` if it is active elsewhere. Its folder is made.
+    /// Takes the lock of a run and makes its folder; `None` if the run is active elsewhere.
     ///
     /// # Errors
     /// If the folder cannot be written.
@@ -102,18 +102,18 @@ impl StudyFolder {
         lock.exists() && matches!(try_lock(&lock, Sharing::Exclusive), Ok(None))
     }
 
-    /// Notes that a run failed.
+    /// Records that a run failed.
     ///
     /// # Errors
-    /// If that cannot be written.
+    /// If this cannot be written.
     pub(crate) fn note_failure(&self, member: &Member, reason: &str) -> Result<(), String> {
         write_whole(&self.run(member).join(FAILED), reason)
     }
 
-    /// Forgets that a run failed, so that it is tried again.
+    /// Removes the record of a failure, so that the run is tried again.
     ///
     /// # Errors
-    /// If the note cannot be removed.
+    /// If the record cannot be removed.
     pub(crate) fn forget_failure(&self, member: &Member) -> Result<(), String> {
         let path = self.run(member).join(FAILED);
         match std::fs::remove_file(&path) {
@@ -124,7 +124,7 @@ impl StudyFolder {
         }
     }
 
-    /// How far a run has come, from its folder.
+    /// State of a run, from its folder.
     pub(crate) fn state(&self, member: &Member) -> RunState {
         if let Some(digest) = self.complete.borrow().get(&member.identity) {
             return RunState::Done(digest.clone());
@@ -141,16 +141,16 @@ impl StudyFolder {
 
     /// The time of the last row of a run's series.
     pub(crate) fn time_reached(&self, member: &Member) -> Option<f64> {
-        // The last line may be half written.
+        // The last line may be only half written.
         let text = output::read_text(&self.run(member).join("series.csv")).ok()?;
         let whole = text.rsplit_once('\n')?.0;
         whole.rsplit('\n').next()?.split(',').next()?.parse().ok()
     }
 
-    /// Refuses the results of a complete run whose series lacks its last rows: they have been lost since.
+    /// Rejects the results of a complete run whose series lacks its last rows, which must have been lost since.
     ///
     /// # Errors
-    /// Where it ends, and where it should.
+    /// Gives the last time, and the required one.
     pub(crate) fn require_last_row(&self, member: &Member) -> Result<(), String> {
         let case = output::read_text(&self.run(member).join("case.toml"));
         let case = case.ok().and_then(|text| EffectiveCase::parse(&text).ok());
@@ -168,13 +168,14 @@ impl StudyFolder {
         }
     }
 
-    /// What a table from elsewhere says about a run that is not complete here.
+    /// Data in a table from elsewhere on a run that is not complete here.
     pub(crate) fn known(&self, member: &Member) -> Option<&KnownRun> {
         let known = self.known.run(&member.identity)?;
         (!self.run(member).join(COMPLETE).exists()).then_some(known)
     }
 
-    /// A line of provenance of a run, for example `commit`; several if it is known from a table of runs of several.
+    /// A line of provenance of a run, for example `commit`; several lines if it is known from a table with runs of
+    /// several.
     pub(crate) fn provenance(&self, member: &Member, name: &str) -> Vec<String> {
         if let Some(known) = self.known(member) {
             return known.provenance(name);
@@ -210,36 +211,36 @@ fn read_state(folder: &Path, member: &Member) -> RunState {
     }
 }
 
-/// The digest in a file `complete`: `digest HEX`.
+/// The digest in a file `complete`, which contains `digest HEX`.
 pub(crate) fn digest_of(text: &str) -> Option<String> {
     text.lines().find_map(|line| line.strip_prefix("digest ")).map(|hex| hex.trim().to_owned())
 }
 
-/// The name of the newest checkpoint in a folder: names end in the number of the step, with leading zeros.
+/// The name of the newest checkpoint in a folder: names end with the number of the step, with leading zeros.
 pub(crate) fn newest_checkpoint(folder: &Path) -> Option<String> {
     let entries = std::fs::read_dir(folder).ok()?.flatten();
     let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     names.filter(|name| name.starts_with("checkpoint-") && name.ends_with(".h5")).max()
 }
 
-/// Makes a folder with all above it.
+/// Makes a folder and all its parents.
 pub(crate) fn make_folder(path: &Path) -> Result<(), String> {
     std::fs::create_dir_all(path)
         .map_err(|error| format!("{} cannot be made: {error}", path.display()))
 }
 
-/// Writes a file that is there as a whole, or not at all.
+/// Writes a file that exists either completely or not at all.
 pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), String> {
     output::write_whole(path, text.as_bytes())
         .map_err(|error| format!("{} cannot be written: {error}", path.display()))
 }
 
-/// What is known about the runs of a study, from its folder.
+/// Data on the runs of a study, from its folder.
 #[derive(Debug)]
 pub(crate) struct Results<'a> {
     /// The folder.
     pub(crate) folder: &'a StudyFolder,
-    /// What is measured.
+    /// The measures.
     pub(crate) measures: &'a [NamedMeasure],
 }
 

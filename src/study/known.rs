@@ -1,7 +1,7 @@
-//! Runs that were made elsewhere, and of which only a table `runs.csv` is left.
+//! Runs that were made elsewhere, of which only a table `runs.csv` is left.
 //!
-//! A run of the study that stands in such a table is not made again: its digest and its measures are taken from there.
-//! The identity says that it is the same run, the head of the table that the same things were measured on it.
+//! A run of the study that is in such a table is not made again: its digest and its measures are taken from the table.
+//! The identity shows that it is the same run, and the head of the table that the same measures were taken.
 
 use crate::study::measure::{Measured, NamedMeasure, Value};
 use csv::{Reader, ReaderBuilder, StringRecord};
@@ -14,7 +14,7 @@ pub(crate) struct KnownRuns {
     by_identity: HashMap<String, KnownRun>,
 }
 
-/// What a table says about a complete run.
+/// Data in a table on a complete run.
 #[derive(Debug)]
 pub(crate) struct KnownRun {
     /// The digest of its last state.
@@ -24,10 +24,10 @@ pub(crate) struct KnownRun {
 }
 
 impl KnownRun {
-    /// A measure of it.
+    /// A measure of this run.
     ///
     /// # Errors
-    /// If the table has none of that name.
+    /// If the table has no measure of that name.
     pub(crate) fn measure(&self, name: &str) -> Result<Measured, String> {
         self.measured.get(name).cloned().ok_or_else(|| format!("there is no measure {name}"))
     }
@@ -40,10 +40,10 @@ impl KnownRun {
 }
 
 impl KnownRuns {
-    /// The runs of some tables on which these things were measured.
+    /// The runs in some tables for which these measures were taken.
     ///
     /// # Errors
-    /// If a table cannot be read, is not one of runs, or if something else was measured.
+    /// If a table cannot be read, is not one of runs, or has other measures.
     pub(crate) fn read(
         tables: &[impl AsRef<Path>],
         measures: &[NamedMeasure],
@@ -86,7 +86,7 @@ fn provenance_of(text: &str) -> Vec<(String, String)> {
     pairs.map(|(name, text)| (name.trim().to_owned(), text.trim().to_owned())).collect()
 }
 
-/// Refuses a table on whose runs something else was measured.
+/// Rejects a table whose runs have other measures.
 fn check_measures(
     provenance: &[(String, String)],
     measures: &[NamedMeasure],
@@ -103,7 +103,7 @@ fn check_measures(
     Ok(())
 }
 
-/// Where in a row things stand.
+/// Positions of the columns in a row.
 struct Columns<'a> {
     state: usize,
     digest: usize,
@@ -143,7 +143,7 @@ impl<'a> Columns<'a> {
         })
     }
 
-    /// The identity of a run and what is known about it; `None` if it was not complete, or could not be measured.
+    /// The identity of a run and the data on it; `None` if it was not complete, or could not be measured.
     fn run(
         &self,
         record: &StringRecord,
@@ -169,7 +169,7 @@ impl<'a> Columns<'a> {
 }
 
 impl MeasureCells<'_> {
-    /// What a cell says; `None` if the measure could not be taken.
+    /// The value in a cell; `None` if the measure could not be taken.
     fn value(&self, cell: &str) -> Result<Option<Value>, String> {
         let measure = &self.measure.measure;
         if cell.is_empty() {

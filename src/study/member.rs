@@ -1,4 +1,4 @@
-//! One run of a study: what is set in its case, what it begins with, and its name.
+//! One run of a study: its settings, its start, and its name.
 
 use crate::study::case_text::belongs_to_a_new_bed;
 use crate::study::checker::{CaseChecker, CaseRequest};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(crate) struct Member {
     /// Number of its point, from 0.
     pub(crate) point: usize,
-    /// Which replicate of the point it is, from 0.
+    /// Number of the replicate of the point, from 0.
     pub(crate) replicate: usize,
     /// Values of the keys that the study varies, seeds included.
     pub(crate) settings: Vec<Setting>,
@@ -22,11 +22,11 @@ pub(crate) struct Member {
     pub(crate) predecessor: Option<Arc<Member>>,
     /// The end of a run of another study with which it begins.
     pub(crate) start: Option<Arc<StartState>>,
-    /// Hash of what decides its results.
+    /// Hash of all settings that determine its results.
     pub(crate) identity: String,
-    /// Its folder: what differs from the other runs, and the first digits of the identity.
+    /// Name of its folder: the differences from the other runs, and the first digits of the identity.
     pub(crate) name: String,
-    /// When it ends, if the case says so.
+    /// Time at which it ends, if the case gives it.
     pub(crate) end_time: Option<f64>,
 }
 
@@ -36,23 +36,23 @@ impl Member {
         mark_of(&self.identity)
     }
 
-    /// What decides the state with which it begins, if that is the end of another run.
+    /// Identity of the state with which it begins, if this is the end of another run.
     pub(crate) fn origin_identity(&self) -> Option<&str> {
         let before = self.predecessor.as_deref().map(|before| before.identity.as_str());
         before.or(self.start.as_deref().map(|start| start.identity.as_str()))
     }
 
-    /// The value that the study gives to a key here.
+    /// The value given to a key by the study in this run.
     pub(crate) fn setting(&self, key: &str) -> Option<&Setting> {
         self.settings.iter().find(|setting| setting.key == key)
     }
 }
 
-/// Digits of the identity in a name: 48 bits, so that a million runs are told apart all but surely.
+/// Number of digits of the identity in a name: 48 bits, so that a million runs are almost certainly distinct.
 const MARK_LENGTH: usize = 12;
-/// Longest part of a name before the mark; file systems take names of 255 bytes.
+/// Largest length of a name before the mark; file systems allow names of 255 bytes.
 const LONGEST_NAME: usize = 180;
-/// Longest text of a value in a name.
+/// Largest length of a value in a name.
 const LONGEST_VALUE: usize = 40;
 
 fn mark_of(identity: &str) -> &str {
@@ -72,8 +72,8 @@ pub(crate) struct MemberFactory<'a> {
 }
 
 impl<'a> MemberFactory<'a> {
-    /// A factory; `continued_case` is where the case of continued runs lies, `starts` are the ends of runs of another study
-    /// with which runs begin.
+    /// A factory; `continued_case` is the path of the case of continued runs, `starts` are the ends of runs of another
+    /// study with which runs begin.
     pub(crate) fn new(
         study: &'a Study,
         checker: &'a dyn CaseChecker,
@@ -85,7 +85,7 @@ impl<'a> MemberFactory<'a> {
         let differing = varied.filter(|axis| axis.values.len() > 1);
         let mut keys: Vec<String> = differing.flat_map(|axis| axis.keys.iter().cloned()).collect();
         keys.extend(study.bisection.iter().map(|search| search.key.clone()));
-        // Seeds come last in a name, after the key that is searched.
+        // Seeds come last in a name, after the key of a search.
         let replicated =
             |key: &String| study.replicates.as_ref().is_some_and(|axis| axis.keys.contains(key));
         keys.sort_by_key(replicated);
@@ -116,7 +116,7 @@ impl<'a> MemberFactory<'a> {
         Ok(member)
     }
 
-    /// The case of a run and all that is set in it; `start` is the checkpoint that it begins with, if that is the end of
+    /// The case of a run and all settings in it; `start` is the checkpoint with which it begins, if this is the end of
     /// another run.
     pub(crate) fn request(
         &self,
@@ -133,19 +133,19 @@ impl<'a> MemberFactory<'a> {
         let of_continued = self.study.continuation.iter().flat_map(|c| c.settings.iter().cloned());
         let mut settings: Vec<Setting> = all.chain(of_continued).collect();
         settings.retain(|setting| !belongs_to_a_new_bed(&setting.key));
-        // Relative to the case of continued runs, so that a study folder may be moved.
+        // The path is relative to the case of continued runs, so that a study folder may be moved.
         let pending = Path::new("runs").join(&predecessor.name).join("checkpoint");
         settings.push(start_setting(start.unwrap_or(&pending)));
         CaseRequest { case: self.continued_case.clone(), settings }
     }
 
-    /// The start of a run that begins with a checkpoint of another study.
+    /// The setting for the start of a run that begins with a checkpoint of another study.
     fn start_path(&self, checkpoint: &Path) -> Setting {
         let folder = self.study.case.parent().unwrap_or(Path::new(""));
         start_setting(&relative(checkpoint, folder))
     }
 
-    /// A title that says what differs from the case, and where the run begins.
+    /// A title that gives the differences from the case, and the start of the run.
     pub(crate) fn title(&self, member: &Member, origin: Option<String>) -> Option<Setting> {
         let case = self.checker.effective(&self.study.case, &[]).ok()?;
         let differs = self.labels.iter().filter_map(|(key, label)| {
@@ -159,7 +159,7 @@ impl<'a> MemberFactory<'a> {
         Some(Setting { key: "title".to_owned(), value: Value::from_text(title), line: 0 })
     }
 
-    /// The name of a search: what all its runs set.
+    /// The name of a search: the settings common to all its runs.
     pub(crate) fn search_name(&self, settings: &[Setting]) -> String {
         let identity: Vec<String> =
             self.study.common.iter().chain(settings).map(Setting::argument).collect();
@@ -186,7 +186,7 @@ fn start_setting(path: &Path) -> Setting {
     Setting { key: "particles.start.path".to_owned(), value, line: 0 }
 }
 
-/// The shortest end of a path of keys that no other key shares.
+/// The shortest end of a path of a key that no other key shares.
 pub(crate) fn short_name(key: &str, keys: &[String]) -> String {
     let parts: Vec<&str> = key.split('.').collect();
     let end = |count: usize| parts[parts.len() - count..].join(".");
@@ -198,7 +198,7 @@ pub(crate) fn short_name(key: &str, keys: &[String]) -> String {
     as_file_name(&name)
 }
 
-/// A text with characters that every shell and file system takes.
+/// A text with characters that every shell and file system accepts.
 fn as_file_name(text: &str) -> String {
     let mut name = String::new();
     for c in text.chars() {
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn path_of_a_start_is_a_text_of_toml_whatever_its_characters() {
-        // TOML escapes some characters otherwise than Rust, and others not at all.
+        // TOML escapes some characters differently from Rust, and others not at all.
         for name in
             ["e\u{301}", "a\u{a0}b", "\u{1b}[1m", "\u{7f}", "it's", "\"q\"", "a\\b", "'\"\\\u{1b}"]
         {

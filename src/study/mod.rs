@@ -1,12 +1,12 @@
 //! Studies: many runs from one case, by lists and ranges of keys, seeds, continuation, and bisection.
 //!
-//! A study file is read strictly (`file`) into a `Study`; `Plan` expands it to points and tasks, which do not depend
-//! on each other. The `Scheduler` asks every task what it needs next, starts runs as processes of their own (`job`), and
-//! ends when nothing is left. All state is in the folders of the runs (`folder`), so that a study resumes wherever it
-//! was stopped; the tables depend on the results only.
+//! A study file is read strictly (`file`) into a `Study`; `Plan` expands it to points and tasks, which do not depend on
+//! each other. The `Scheduler` asks every task for its next runs, starts runs as separate processes (`job`), and ends
+//! when nothing is left. All state is in the folders of the runs (`folder`), so that a stopped study can be resumed;
+//! the tables depend only on the results.
 //!
-//! A study is no part of a run: it knows how cases are read, and what the columns of `series.csv` are called, and it
-//! runs without MPI. Tests put other things in the place of a `CaseChecker` and a `Runner`.
+//! A study is not part of a run: it uses the reading of cases and the names of the columns of `series.csv`, and it runs
+//! without MPI. Tests replace the `CaseChecker` and the `Runner`.
 
 mod bisection;
 mod case_text;

@@ -1,4 +1,4 @@
-//! From the axes of a study to its points and tasks.
+//! Expansion of the axes of a study to points and tasks.
 
 use crate::study::checker::CaseChecker;
 use crate::study::definition::Study;
@@ -9,12 +9,12 @@ use crate::study::task::{Task, TaskKind};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A combination of values of all axes but the replicates.
+/// A combination of values of all axes except the replicates.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Point {
     /// Its position on each axis.
     pub(crate) positions: Vec<usize>,
-    /// What it sets.
+    /// Its settings.
     pub(crate) settings: Vec<Setting>,
 }
 
@@ -50,14 +50,14 @@ fn points(study: &Study) -> Vec<Point> {
     combinations(&lengths).into_iter().map(point).collect()
 }
 
-/// No study has more runs than this.
+/// Largest number of runs of a study.
 const MOST_RUNS: usize = 1_000_000;
 
 impl Plan {
     /// Expands a study.
     ///
     /// # Errors
-    /// If the case cannot be read, or if two runs are the same.
+    /// If the case cannot be read, or if two runs are identical.
     pub(crate) fn new(
         study: &Study,
         factory: &MemberFactory<'_>,
@@ -82,7 +82,7 @@ impl Plan {
         problems.result(&study.file.display().to_string(), plan)
     }
 
-    /// Refuses two runs that are the same but for their names.
+    /// Rejects two runs that are identical except for their names.
     fn refuse_duplicates(&self, study: &Study, problems: &Problems) {
         let mut seen: HashMap<&str, &Member> = HashMap::new();
         for member in self.tasks.iter().flat_map(Task::planned) {
@@ -96,7 +96,7 @@ impl Plan {
     }
 }
 
-/// Refuses seeds where no random numbers are drawn.
+/// Rejects seeds if no random numbers are drawn.
 fn check_seeds(
     study: &Study,
     points: &[Point],
@@ -132,7 +132,7 @@ fn tasks(
     let mut tasks = Vec::new();
     let along = study.continuation.as_ref().map(|continuation| continuation.axis);
     for (index, point) in points.iter().enumerate() {
-        // A chain is one task, that of its first point.
+        // A chain is a single task, which belongs to its first point.
         if along.is_some_and(|axis| point.positions[axis] > 0) {
             continue;
         }
@@ -167,7 +167,7 @@ fn with_replicate(study: &Study, point: &Point, replicate: usize) -> Vec<Setting
     point.settings.iter().cloned().chain(of_replicate).collect()
 }
 
-/// The runs along an axis, each of which begins with the end of the one before.
+/// The runs along an axis, each of which begins with the end of the previous one.
 fn chain(
     study: &Study,
     points: &[Point],

@@ -1,5 +1,4 @@
-//! What is wrong with a study file, and with the cases of its runs: every error with its line, key, value and what is
-//! allowed.
+//! Errors in a study file, and in the cases of its runs, each with its line, key, value and the allowed values.
 
 use crate::case::{CaseError, CaseErrors, SourcePlace};
 use crate::study::setting::Setting;
@@ -12,24 +11,24 @@ use thiserror::Error;
 pub(crate) struct Problem {
     /// Line in the study file, from 1; `None` for the file as a whole.
     pub(crate) line: Option<usize>,
-    /// Path of the key, for example `bisection.tolerance`; empty if the error belongs to no key.
+    /// Path of the key, for example `bisection.tolerance`; empty if the error does not belong to a key.
     pub(crate) key: String,
     /// The value as it was written, if there is one.
     pub(crate) value: Option<String>,
-    /// What is wrong, or what is allowed.
+    /// The error, or the allowed values.
     pub(crate) message: String,
 }
 
 /// All errors of a study file, in the order of its lines; at least one.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub(crate) struct Refusal {
-    /// Name of the file as the user gave it.
+    /// Name of the file, as given by the user.
     pub(crate) file: String,
     /// The errors.
     pub(crate) problems: Vec<Problem>,
 }
 
-/// No more errors than these are printed.
+/// Largest number of errors that are printed.
 const MOST_PRINTED: usize = 20;
 
 impl fmt::Display for Refusal {
@@ -62,7 +61,7 @@ impl fmt::Display for Refusal {
 pub(crate) struct Problems(RefCell<Vec<Problem>>);
 
 impl Problems {
-    /// Adds an error, once.
+    /// Adds an error, but only once.
     pub(crate) fn add(&self, problem: Problem) {
         let mut problems = self.0.borrow_mut();
         if !problems.contains(&problem) {
@@ -76,7 +75,7 @@ impl Problems {
         self.add(Problem { line: None, key: String::new(), value: None, message });
     }
 
-    /// The value if nothing is wrong, else the errors in the order of their lines.
+    /// The value if there are no errors, otherwise the errors in the order of their lines.
     pub(crate) fn result<T>(self, file: &str, value: Option<T>) -> Result<T, Refusal> {
         let mut problems = self.0.into_inner();
         match value {
@@ -94,7 +93,7 @@ impl Problems {
 pub(crate) struct CaseProblem {
     /// The setting, as `key=value`, to which the error belongs; `None` if the case file itself is wrong.
     pub(crate) setting: Option<String>,
-    /// Key, value and what is allowed; the file and its line come first if `setting` is `None`.
+    /// Key, value and the allowed values; the file and its line come first if `setting` is `None`.
     pub(crate) message: String,
 }
 
@@ -127,7 +126,7 @@ impl CaseProblem {
         let Self { setting, message } = self;
         let argument = |given: &&Setting| Some(given.argument()) == setting;
         let line = settings.iter().find(argument).map(|given| given.line);
-        // What the study itself sets stands at no line.
+        // Settings made by the study itself have no line.
         let line = line.filter(|&line| line > 0);
         Problem { line, key: String::new(), value: None, message }
     }

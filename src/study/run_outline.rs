@@ -1,14 +1,14 @@
-//! What is known of a run from its case.
+//! Data on a run from its case.
 
 use std::collections::BTreeMap;
 
-/// What is known of a run before it begins.
+/// Data on a run before it begins.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RunOutline {
-    /// When it ends.
+    /// Time at which it ends.
     pub(crate) end_time: f64,
     /// Its sections `[measure.NAME]`, each with the names of its numbers.
     pub(crate) measures: BTreeMap<String, Vec<&'static str>>,
-    /// Measures of `talcum analyse` that find nothing on it, and why.
+    /// Measures of `talcum analyse` that find nothing on it, with the reasons.
     pub(crate) impossible: BTreeMap<&'static str, String>,
 }

@@ -1,4 +1,4 @@
-//! Runs what a study needs, so many runs at a time, until nothing is left or a stop is requested.
+//! Starts the runs of a study, a limited number at a time, until nothing is left or a stop is requested.
 
 use crate::study::bisection::Bisection;
 use crate::study::folder::{Results, StudyFolder, newest_checkpoint};
@@ -10,10 +10,10 @@ use crate::study::task::{Progress, RunState, Task};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How urgently a stop is requested.
+/// Urgency of a requested stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum StopRequest {
-    /// Nobody does.
+    /// No stop is requested.
     #[default]
     None,
     /// Runs are to write a checkpoint and end.
@@ -22,33 +22,33 @@ pub(crate) enum StopRequest {
     AtOnce,
 }
 
-/// How the work on a study ended.
+/// Outcome of the work on a study.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Outcome {
     /// Whether it was stopped before its end.
     pub(crate) stopped: bool,
-    /// What failed and why, one text for each task.
+    /// Failures and their reasons, one text for each task.
     pub(crate) failures: Vec<String>,
 }
 
-/// The usual time between polls of the runs.
+/// The default time between polls of the runs.
 pub(crate) const PAUSE: Duration = Duration::from_millis(50);
-/// Between polls of runs that another process holds, so many times longer.
+/// Factor for the time between polls of runs that another process holds.
 const LONG: u32 = 20;
 
-/// All that the work on a study needs.
+/// Data for the work on a study.
 pub(crate) struct Scheduler<'a> {
     /// Makes its members.
     pub(crate) factory: &'a MemberFactory<'a>,
     /// Its search, if it has one.
     pub(crate) search: Option<&'a Bisection>,
-    /// What is known about its runs.
+    /// Data on its runs.
     pub(crate) results: Results<'a>,
     /// Starts runs.
     pub(crate) runner: &'a dyn Runner,
-    /// How many runs work at the same time.
+    /// Number of runs that work at the same time.
     pub(crate) at_a_time: usize,
-    /// Whether a stop is requested.
+    /// Returns the present request to stop.
     pub(crate) stop: &'a dyn Fn() -> StopRequest,
     /// Time between polls of the runs.
     pub(crate) pause: Duration,
@@ -62,7 +62,7 @@ struct ActiveRun {
     checkpoint: Option<String>,
 }
 
-/// The work as it stands.
+/// The present state of the work.
 struct Work<'t> {
     open: Vec<&'t Task>,
     active: Vec<ActiveRun>,
@@ -74,7 +74,7 @@ impl Scheduler<'_> {
     /// Works on tasks until nothing is left.
     ///
     /// # Errors
-    /// If a run cannot be started or its state not be written.
+    /// If a run cannot be started or its state cannot be written.
     pub(crate) fn run(&self, tasks: &[Task]) -> Result<Outcome, String> {
         let open = tasks.iter().collect();
         let (active, outcome) = (Vec::new(), Outcome::default());
@@ -120,7 +120,7 @@ impl Scheduler<'_> {
         Ok(false)
     }
 
-    /// Passes a request to stop on to all runs.
+    /// Forwards a request to stop to all runs.
     fn pass_on_stop(&self, work: &mut Work<'_>) {
         let request = (self.stop)();
         if request <= work.asked {
@@ -138,7 +138,7 @@ impl Scheduler<'_> {
         }
     }
 
-    /// Looks which runs have ended; whether any has.
+    /// Checks which runs have ended; returns whether any has.
     fn collect(&self, work: &mut Work<'_>) -> Result<bool, String> {
         let mut ended = Vec::new();
         work.active.retain_mut(|active| match active.running.poll() {
@@ -155,7 +155,7 @@ impl Scheduler<'_> {
         Ok(any)
     }
 
-    /// Says how a run ended, and notes a failure in its folder.
+    /// Reports how a run ended, and records a failure in its folder.
     fn settle(
         &self,
         member: &Member,
@@ -185,7 +185,7 @@ impl Scheduler<'_> {
         folder.note_failure(member, &reason)
     }
 
-    /// Starts runs while there is room; whether some that could run are held by another process.
+    /// Starts runs while there is room; returns whether some that could run are held by another process.
     fn start_what_can_run(&self, work: &mut Work<'_>) -> Result<bool, String> {
         let mut held_elsewhere = false;
         let mut still_open = Vec::new();
@@ -208,7 +208,7 @@ impl Scheduler<'_> {
         Ok(held_elsewhere)
     }
 
-    /// Starts a run if there is room; whether another process holds it.
+    /// Starts a run if there is room; returns whether another process holds it.
     fn start(&self, member: Arc<Member>, active: &mut Vec<ActiveRun>) -> Result<bool, String> {
         let is_active = active.iter().any(|run| run.member.identity == member.identity);
         if is_active || active.len() >= self.at_a_time {
@@ -239,7 +239,7 @@ impl Scheduler<'_> {
         Ok(false)
     }
 
-    /// The run that another begins with, and its digest.
+    /// The run with which another begins, and its digest.
     fn origin(&self, member: &Member) -> Option<String> {
         let Some(before) = member.predecessor.as_deref() else {
             return member.start.as_deref().map(StartState::describe);

@@ -1,4 +1,4 @@
-//! Reads a section of a study file key by key, and collects what is wrong with it.
+//! Reading of a section of a study file key by key, with collection of its errors.
 
 use crate::study::problem::{Problem, Problems};
 use std::cell::RefCell;
@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 pub(crate) struct Source<'a> {
     /// The text.
     pub(crate) text: &'a str,
-    /// What is wrong with it.
+    /// Its errors.
     pub(crate) problems: &'a Problems,
 }
 
@@ -31,12 +31,12 @@ pub(crate) struct Entry<'a> {
     pub(crate) line: usize,
     /// The value as it was written.
     pub(crate) written: &'a str,
-    /// Where errors go.
+    /// Source to which errors are reported.
     pub(crate) source: Source<'a>,
 }
 
 impl<'a> Entry<'a> {
-    /// Reports what is wrong with the value.
+    /// Reports an error of the value.
     pub(crate) fn fail(&self, message: impl Into<String>) {
         let is_section = matches!(self.value, DeValue::Table(_));
         let value = (!is_section).then(|| self.written.to_owned());
@@ -142,7 +142,7 @@ pub(crate) struct Section<'a> {
     pub(crate) path: String,
     /// Its line, from 1.
     pub(crate) line: usize,
-    /// Where errors go.
+    /// Source to which errors are reported.
     pub(crate) source: Source<'a>,
     known: RefCell<Vec<&'static str>>,
 }
@@ -153,13 +153,13 @@ impl<'a> Section<'a> {
         Self { table, path: String::new(), line: 1, source, known: RefCell::default() }
     }
 
-    /// The value of a key, whatever it is.
+    /// The value of a key, of any kind.
     pub(crate) fn optional(&self, key: &'static str) -> Option<Entry<'a>> {
         self.known.borrow_mut().push(key);
         self.entries().into_iter().find(|(name, _)| name == key).map(|(_, entry)| entry)
     }
 
-    /// The value of a key that must be there; `allowed` says what it must be.
+    /// The value of a required key; `allowed` describes the allowed values.
     pub(crate) fn required(&self, key: &'static str, allowed: &str) -> Option<Entry<'a>> {
         let entry = self.optional(key);
         if entry.is_none() {
@@ -168,7 +168,7 @@ impl<'a> Section<'a> {
         entry
     }
 
-    /// Reports an error of a key that is not there, at the line of the section.
+    /// Reports an error of a missing key, at the line of the section.
     pub(crate) fn fail(&self, key: &str, message: impl Into<String>) {
         let (line, key) = (Some(self.line), self.path_of(key));
         self.source.problems.add(Problem { line, key, value: None, message: message.into() });
@@ -190,7 +190,7 @@ impl<'a> Section<'a> {
         entries.into_iter().map(|(_, name, entry)| (name, entry)).collect()
     }
 
-    /// Reports the keys that nobody asked for.
+    /// Reports the keys that have not been read.
     pub(crate) fn finish(&self) {
         let mut known = self.known.borrow().clone();
         known.sort_unstable();
@@ -210,7 +210,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// What to write instead of an unknown name: the one most like it, or the list of all.
+/// A suggestion for an unknown name: the most similar one, or the list of all.
 pub(crate) fn advice(unknown: &str, known: &[&str]) -> String {
     let likeness = |name: &&&str| (strsim::jaro_winkler(unknown, name) * 1.0e6) as u64;
     let nearest = known.iter().max_by_key(likeness);

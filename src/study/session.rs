@@ -1,4 +1,4 @@
-//! A study that was read, expanded and found to be right.
+//! A study that has been read, expanded and checked.
 
 use crate::study::case_text::continued;
 use crate::study::checker::CaseChecker;
@@ -14,7 +14,7 @@ use crate::study::task::{Records, RunState, Task, TaskKind};
 
 /// A study with its folder and its runs.
 pub(crate) struct Session<'a> {
-    /// What the file defines.
+    /// The definition in the file.
     pub(crate) study: &'a Study,
     /// Its folder.
     pub(crate) folder: &'a StudyFolder,
@@ -26,10 +26,11 @@ pub(crate) struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Expands a study whose runs begin with these states of another one, if there are any. Nothing but the case of continued runs is written.
+    /// Expands a study whose runs begin with these states of another one, if there are any. Only the case of continued
+    /// runs is written.
     ///
     /// # Errors
-    /// If the study has no meaning, or the folder cannot be written.
+    /// If the study is not valid, or the folder cannot be written.
     pub(crate) fn new(
         study: &'a Study,
         folder: &'a StudyFolder,
@@ -42,7 +43,7 @@ impl<'a> Session<'a> {
         Ok(Self { study, folder, factory, plan, checker })
     }
 
-    /// What is known about the runs.
+    /// Data on the runs.
     pub(crate) fn results(&self) -> Results<'a> {
         Results { folder: self.folder, measures: &self.study.measures }
     }
@@ -50,7 +51,7 @@ impl<'a> Session<'a> {
     /// Checks the case of every run of some tasks that has not begun, before anything runs.
     ///
     /// # Errors
-    /// All that is wrong, with the lines of the study file.
+    /// All errors, with the lines of the study file.
     pub(crate) fn check(&self, tasks: &[Task]) -> Result<(), Refusal> {
         let problems = Problems::default();
         let members = self.members_to_check(tasks).map_err(|message| problems.add_whole(message));
@@ -64,7 +65,7 @@ impl<'a> Session<'a> {
         problems.result(&self.study.file.display().to_string(), Some(()))
     }
 
-    /// All runs that are known now and have not begun; of a search the ends of its bracket and its middle.
+    /// All runs that are already known and have not begun; for a search, the ends of its bracket and its middle.
     fn members_to_check(&self, tasks: &[Task]) -> Result<Vec<Member>, String> {
         let mut members = Vec::new();
         for task in tasks {
@@ -85,7 +86,7 @@ impl<'a> Session<'a> {
         Ok(members)
     }
 
-    /// Refuses measures for which none of the runs has anything.
+    /// Rejects measures for which no run has data.
     fn check_measures(&self, runs: &[RunOutline], problems: &Problems) {
         for measure in &self.study.measures {
             let reasons: Option<Vec<String>> =
@@ -98,7 +99,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Refuses what is wrong with the case of a run and its measures; of a case that can be read, what its run will do.
+    /// Reports the errors in the case of a run and its measures; returns an outline of the run if its case can be read.
     fn check_member(&self, member: &Member, problems: &Problems) -> Option<RunOutline> {
         let start = member.start.as_deref().map(StartState::checkpoint).transpose();
         let start = start.unwrap_or_else(|message| {
@@ -133,7 +134,7 @@ fn write_continued_case(study: &Study, folder: &StudyFolder) -> Result<(), Refus
     let text = std::fs::read_to_string(&study.case).map_err(|error| error.to_string());
     let written = text.and_then(|text| continued(&text, continuation)).and_then(|text| {
         let path = folder.continued_case();
-        // Left alone where it is as it should be: other processes may read it.
+        // The file is left unchanged if it is already correct, since other processes may read it.
         if std::fs::read_to_string(&path).is_ok_and(|old| old == text) {
             return Ok(());
         }

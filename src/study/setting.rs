@@ -5,19 +5,19 @@ use std::fmt;
 /// The key of the case that seeds all random numbers.
 pub(crate) const SEED: &str = "particles.seed";
 
-/// One key of the case and its value: what `--set KEY=VALUE` takes.
+/// One key of the case and its value, as in `--set KEY=VALUE`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setting {
     /// Path of the key in the case, for example `stage.ramp.gas.superficial_velocity`.
     pub(crate) key: String,
     /// Its value.
     pub(crate) value: Value,
-    /// The line of the study file that says so, from 1.
+    /// The line of the study file that contains it, from 1.
     pub(crate) line: usize,
 }
 
 impl Setting {
-    /// As an argument of `--set`.
+    /// The setting as an argument of `--set`.
     pub(crate) fn argument(&self) -> String {
         format!("{}={}", self.key, self.value)
     }
@@ -31,7 +31,7 @@ pub(crate) struct Value {
 }
 
 impl Value {
-    /// A value from its text in TOML, and from what it is as a number if it is one.
+    /// A value from its text in TOML, and from its number if it is one.
     pub(crate) fn new(written: &str, number: Option<f64>) -> Self {
         Self { written: written.trim().to_owned(), number }
     }
@@ -56,7 +56,7 @@ impl Value {
         self.number
     }
 
-    /// Whether two values mean the same: `4`, `4.0` and `4e0` do.
+    /// Whether two values are equal: `4`, `4.0` and `4e0` are.
     pub(crate) fn same_as(&self, other: &Self) -> bool {
         match (self.number, other.number) {
             (Some(one), Some(two)) => one == two,
@@ -64,7 +64,7 @@ impl Value {
         }
     }
 
-    /// The value as a table shows it: numbers in one form, texts without quotes.
+    /// The value in tables: numbers in one form, texts without quotes.
     pub(crate) fn plain(&self) -> String {
         match self.number {
             // A seed may have more digits than a floating-point number holds.

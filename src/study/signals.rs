@@ -1,4 +1,4 @@
-//! Signals that ask a study to stop.
+//! Signals that request a study to stop.
 
 use crate::study::scheduler::StopRequest;
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
@@ -19,7 +19,7 @@ impl StopSignals {
         Ok(Self { signals, gentle: Cell::new(false), interrupts: Cell::new(0) })
     }
 
-    /// How urgently the signals so far ask to stop.
+    /// Urgency of the stop requested by the signals so far.
     pub(crate) fn request(&self) -> StopRequest {
         for signal in self.signals.borrow_mut().pending() {
             self.gentle.set(true);

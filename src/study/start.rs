@@ -19,13 +19,13 @@ pub(crate) struct Start {
 pub(crate) struct StartState {
     /// The name of the run.
     pub(crate) name: String,
-    /// What decides its results.
+    /// Identity of its results.
     pub(crate) identity: String,
     /// The seed of its bed, if that study has seeds.
     pub(crate) seed: Option<Value>,
     /// Its folder.
     pub(crate) folder: PathBuf,
-    /// Its last checkpoint and the digest of that, if it is complete.
+    /// Its last checkpoint and the digest of this checkpoint, if the run is complete.
     pub(crate) end: Option<(PathBuf, String)>,
 }
 
@@ -41,7 +41,7 @@ impl StartState {
         })
     }
 
-    /// Its name with its digest, for the titles of what begins with it.
+    /// Its name with its digest, for the titles of runs that begin with it.
     pub(crate) fn describe(&self) -> String {
         let digest = self.end.as_ref().map(|(_, digest)| digest.as_str()).unwrap_or_default();
         format!("begins with the end of {}, digest {digest}", self.name)
@@ -57,7 +57,7 @@ impl StartState {
     }
 }
 
-/// The path of a file as seen from a folder: relative, so that both may be moved together.
+/// The path of a file relative to a folder, so that both may be moved together.
 pub(crate) fn relative(file: &Path, folder: &Path) -> PathBuf {
     let whole = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };

@@ -1,4 +1,4 @@
-//! Looks up the states with which the runs of a study begin, among the runs of another study.
+//! Search for the states with which the runs of a study begin, among the runs of another study.
 
 use crate::study::checker::CaseChecker;
 use crate::study::definition::Study;
@@ -12,10 +12,10 @@ use crate::study::start::{Start, StartState};
 use crate::study::task::RunState;
 use std::sync::Arc;
 
-/// The states with which the runs of a study may begin: none if it has no `[start]`.
+/// The states with which the runs of a study may begin; empty if it has no `[start]`.
 ///
 /// # Errors
-/// If the other study is refused, is more than replicates of one run, or lacks a seed of this one.
+/// If the other study is rejected, is more than replicates of one run, or lacks a seed of this study.
 pub(crate) fn starting_states(
     study: &Study,
     checker: &dyn CaseChecker,

@@ -1,4 +1,4 @@
-//! What is done, what runs, what waits, and what failed and why.
+//! Status of a study: runs that are done, running, waiting, or failed, with the reasons.
 
 use crate::study::member::Member;
 use crate::study::session::{Session, count_of};
@@ -23,7 +23,7 @@ pub(crate) fn list(session: &Session<'_>) -> Result<String, String> {
     Ok(text)
 }
 
-/// The state of every run that is known by now, and of every task that failed.
+/// The state of every run that is already known, and of every task that failed.
 ///
 /// # Errors
 /// If the case cannot be read.
@@ -55,7 +55,7 @@ pub(crate) fn status(session: &Session<'_>) -> Result<String, String> {
     Ok(text)
 }
 
-/// The position of a run's state among the counts, and its line.
+/// The index of a run's state among the counts, and its line.
 fn describe(session: &Session<'_>, member: &Member) -> (usize, String) {
     let folder = session.folder;
     let name = folder.name_of(member);
@@ -78,7 +78,7 @@ fn progress(session: &Session<'_>, task: &Task) -> Result<Progress, String> {
     task.progress(session.study.bisection.as_ref(), &session.factory, &session.results())
 }
 
-/// Further lines of a reason stand below its first.
+/// Indents the further lines of a reason below its first.
 fn indented(reason: &str) -> String {
     reason.trim_end().replace('\n', "\n          ")
 }

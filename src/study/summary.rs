@@ -101,13 +101,13 @@ fn read(folder: &Path) -> anyhow::Result<Run> {
     })
 }
 
-/// The seed, and what follows from it: runs that differ in nothing else are replicates.
+/// The seed: runs that differ in nothing else are replicates.
 const REPLICATE_KEYS: [&str; 1] = [crate::study::setting::SEED];
 
 struct Summary<'o> {
     runs: Vec<Run>,
     options: &'o SummaryOptions,
-    /// Keys of the cases that differ.
+    /// Keys that differ between the cases.
     keys: Vec<String>,
     columns: Vec<(String, String)>,
     /// A row of numbers for each run.
@@ -140,7 +140,7 @@ impl<'o> Summary<'o> {
         Ok(summary)
     }
 
-    /// Adds a column. Where a run gives nothing, the reason is printed and the cell stays empty.
+    /// Adds a column. If a run gives no value, the reason is printed and the cell is empty.
     fn add(&mut self, name: &str, measure: &dyn Measure) -> anyhow::Result<()> {
         let mut unit = None;
         for (run, row) in self.runs.iter().zip(&mut self.values) {
@@ -178,7 +178,7 @@ impl<'o> Summary<'o> {
         ResultTable { provenance: self.provenance(), ..ResultTable::new("runs", columns) }
     }
 
-    /// One row for runs that differ in their seeds only.
+    /// One row for runs that differ only in their seeds.
     fn points(&self) -> ResultTable {
         let keys: Vec<&String> =
             self.keys.iter().filter(|key| !REPLICATE_KEYS.contains(&key.as_str())).collect();
@@ -258,7 +258,7 @@ fn with_unit(name: &str, unit: &str, values: Vec<f64>) -> Column {
     Column::numbers(name, unit, "of the run", values)
 }
 
-/// The columns asked for, which all runs must have, with their units.
+/// The requested columns, which all runs must have, with their units.
 fn columns(runs: &[Run], options: &SummaryOptions) -> anyhow::Result<Vec<(String, String)>> {
     let Some(first) = runs.first() else { bail!("there are no runs") };
     let in_all = |name: &str| {

@@ -7,12 +7,12 @@ use crate::study::setting::{Setting, Value};
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// How far a run has come.
+/// State of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum RunState {
-    /// There is nothing yet.
+    /// It has not begun.
     Waiting,
-    /// It was begun and can be resumed.
+    /// It has begun and can be resumed.
     Begun,
     /// It is complete, with this digest.
     Done(String),
@@ -20,15 +20,15 @@ pub(crate) enum RunState {
     Failed(String),
 }
 
-/// What is known about the runs of a study.
+/// Data on the runs of a study.
 pub(crate) trait Records {
-    /// How far a run has come.
+    /// State of a run.
     fn state(&self, member: &Member) -> RunState;
 
     /// A measure of a complete run.
     ///
     /// # Errors
-    /// If the results do not hold it.
+    /// If the results do not contain it.
     fn measure(&self, member: &Member, name: &str) -> Result<Measured, String>;
 }
 
@@ -39,45 +39,45 @@ pub(crate) struct Task {
     pub(crate) name: String,
     /// The number of its first point, from 0.
     pub(crate) point: usize,
-    /// Which replicate it is, from 0.
+    /// Number of the replicate, from 0.
     pub(crate) replicate: usize,
-    /// What it does.
+    /// Kind of the task.
     pub(crate) kind: TaskKind,
 }
 
-/// What a task does.
+/// Kind of a task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum TaskKind {
-    /// Runs one after another; each but the first begins with the end of the one before.
+    /// Successive runs; each except the first begins with the end of the previous one.
     Runs(Vec<Arc<Member>>),
     /// A search for a critical value.
     Search {
-        /// What all its runs set.
+        /// Settings common to all its runs.
         settings: Vec<Setting>,
-        /// Where the critical value is sought.
+        /// Range in which the critical value is sought.
         bracket: [f64; 2],
     },
 }
 
-/// What a task needs next.
+/// Next step of a task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Progress {
-    /// These runs, in any order.
+    /// These runs are needed, in any order.
     Run(Vec<Arc<Member>>),
-    /// Nothing: it is done.
+    /// Nothing is needed: the task is done.
     Finished,
-    /// Nothing helps, for this reason.
+    /// The task cannot continue, for this reason.
     Failed(String),
 }
 
-/// The result of a search, with the runs that it made, in the order of the key.
+/// The result of a search, with its runs in the order of the key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SearchRecord {
-    /// How far it came.
+    /// Progress of the search.
     pub(crate) search: Search,
-    /// Its runs, those that it needs next included.
+    /// Its runs, including those that it needs next.
     pub(crate) members: Vec<Arc<Member>>,
-    /// Why it cannot continue.
+    /// The reason why it cannot continue.
     pub(crate) failure: Option<String>,
 }
 
@@ -90,7 +90,7 @@ impl Task {
         }
     }
 
-    /// All runs that are known by now.
+    /// All runs that are already known.
     ///
     /// # Errors
     /// If the case cannot be read.
@@ -106,7 +106,7 @@ impl Task {
         }
     }
 
-    /// What the task needs next.
+    /// The next step of the task.
     ///
     /// # Errors
     /// If the case cannot be read.
@@ -132,7 +132,7 @@ impl Task {
         })
     }
 
-    /// Follows the search as far as runs are complete.
+    /// Follows the search as far as its runs are complete.
     ///
     /// # Errors
     /// If the case cannot be read.
@@ -171,7 +171,7 @@ impl Task {
     }
 }
 
-/// The measure that decides, if the run is complete.
+/// The measure of the search for a run, if the run is complete.
 fn measured(
     member: &Member,
     search: &Bisection,
@@ -192,7 +192,7 @@ fn can_run(state: &RunState) -> bool {
     matches!(state, RunState::Waiting | RunState::Begun)
 }
 
-/// The first run that is not complete is next.
+/// The next step of successive runs: the first one that is not complete.
 fn progress_of_runs(members: &[Arc<Member>], records: &dyn Records) -> Progress {
     for (index, member) in members.iter().enumerate() {
         match records.state(member) {

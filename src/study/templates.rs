@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 const SLURM: &str = include_str!("templates/study.slurm");
 const ROW: &str = include_str!("templates/workflow.toml");
-/// What row calls for a task, whose name it puts into `{directory}`.
+/// Command that row calls for a task, with the task's name inserted at `{directory}`.
 const ROW_COMMAND: &str = "{program} study {study} --output {root} --run {directory} --at-a-time 1 \
     --ranks-per-run {ranks} --launcher 'srun -n {ranks}'";
-/// In the folder of a task of row: it is done.
+/// File in the folder of a task of row that marks it as done.
 const DONE: &str = "done";
 
 /// Writes a Slurm array job for the study; returns its path.
@@ -43,7 +43,7 @@ pub(crate) fn write_row(session: &Session<'_>, program: &Path) -> Result<PathBuf
     let root = session.folder.root();
     let path = root.join("workflow.toml");
     let study = session.study;
-    // row changes into the folder of the workflow, so that its paths must not depend on where it is called.
+    // row changes into the folder of the workflow, so paths must not depend on the folder in which it is called.
     let ranks = study.resources.ranks.to_string();
     let command = ROW_COMMAND
         .replace("{program}", &in_shell(&absolute(program)?))
@@ -63,10 +63,10 @@ pub(crate) fn write_row(session: &Session<'_>, program: &Path) -> Result<PathBuf
     Ok(path)
 }
 
-/// Tells row that a task is done, if row has a folder for it.
+/// Informs row that a task is done, if row has a folder for it.
 ///
 /// # Errors
-/// If that cannot be written.
+/// If this cannot be written.
 pub(crate) fn tell_row(root: &Path, task: &Task) -> Result<(), String> {
     let folder = task_folder(root, task);
     if folder.is_dir() { write_whole(&folder.join(DONE), "") } else { Ok(()) }
@@ -76,7 +76,7 @@ fn task_folder(root: &Path, task: &Task) -> PathBuf {
     root.join("tasks").join(&task.name)
 }
 
-/// The values of a task as JSON, by which row selects and sorts.
+/// The values of a task as JSON, which row uses to select and sort.
 fn values(task: &Task) -> String {
     let settings: &[Setting] = match &task.kind {
         TaskKind::Runs(members) => members.first().map_or(&[], |member| &member.settings),
@@ -97,7 +97,7 @@ fn json_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// An absolute path; a bare name is a program that the shell finds, and stays.
+/// An absolute path; a bare name is a program that the shell finds, and is unchanged.
 fn absolute(path: &Path) -> Result<PathBuf, String> {
     if path.components().count() == 1 && !path.exists() {
         return Ok(path.to_owned());
@@ -105,7 +105,7 @@ fn absolute(path: &Path) -> Result<PathBuf, String> {
     std::path::absolute(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// A path as one word of bash, on one line and without braces, so that it may stand in a comment and where row, or the
+/// A path as one word of bash, on one line and without braces, so that it is allowed in a comment and where row, or the
 /// templates here, replace words in braces.
 fn in_shell(path: &Path) -> String {
     let bytes = path.as_os_str().as_encoded_bytes();
@@ -138,7 +138,7 @@ mod tests {
     use std::os::unix::ffi::OsStrExt;
     use std::process::Command;
 
-    /// Names that mean something to a shell, to row, or to the templates, or that no text holds.
+    /// Names with a special meaning for a shell, for row, or for the templates, or with bytes that are not text.
     const NAMES: [&[u8]; 12] = [
         b"plain/b-c.toml",
         b"it's here",

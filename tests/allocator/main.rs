@@ -1,5 +1,5 @@
-//! The allocator returns large arrays to the system when they are freed. A process of its own, with one test: what others
-//! allocate would be counted too.
+//! The allocator returns large arrays to the system when they are freed. This is a process of its own with a single
+//! test, since allocations of other tests would be counted too.
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]

@@ -1,4 +1,4 @@
-//! Ranks whose messages take time, as between machines: a message is not there before its way is over.
+//! Ranks whose messages take time, as between machines: a message arrives only after its travel time.
 
 use std::path::Path;
 use std::thread::yield_now;

@@ -1,5 +1,5 @@
-//! Starts the program as users do: alone, or under `mpirun`. Output goes to files, nothing waits for ever,
-//! and one `mpirun` runs at a time.
+//! Starts the program as users do: alone, or under `mpirun`. Output goes to files, no process waits without end, and
+//! one `mpirun` runs at a time.
 
 #![allow(dead_code, reason = "each test program uses a part of this module")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]

@@ -1,4 +1,4 @@
-//! Messages that travel while ranks reduce numbers, on threads; `mpi_communicator` tests the same on processes.
+//! Messages that travel while ranks reduce numbers, on threads; `mpi_communicator` tests the same for processes.
 
 use talcum::parallel::{Communicator, Exchange, Message};
 

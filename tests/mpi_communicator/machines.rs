@@ -1,4 +1,4 @@
-//! Processes whose messages take time, as on machines of their own.
+//! Processes whose messages take time, as on separate machines.
 
 use crate::beds::delayed::{Delayed, Network};
 use crate::dense_beds::{bed_of_two_species, polydisperse_bed, vibrated_bed};

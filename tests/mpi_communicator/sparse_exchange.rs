@@ -1,5 +1,5 @@
 //! Messages in random, sparse patterns between ranks that are sometimes late: none is lost, none arrives twice or in
-//! another exchange. Here on threads; `mpi_communicator` tests the same on processes.
+//! another exchange. This file runs on threads; `mpi_communicator` tests the same for processes.
 
 use std::thread::sleep;
 use std::time::Duration;

@@ -1,5 +1,5 @@
-//! Which pairs touch, and which attract each other, against all pairs tried one by one; both ends of a pair
-//! feel exactly opposite forces.
+//! Touching and attracting pairs, compared with a test of all pairs one by one; the forces on both ends of a pair are
+//! exactly opposite.
 
 use crate::beds::{Bench, OPEN, PERIODIC, Run, Snapshot, attraction, branch, law};
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Dense beds in which an error in the order of sums is seen.
+//! Dense beds, in which an error in the order of sums has a visible effect.
 
 use crate::beds::{Bench, Mixture, PERIODIC, PLATE, attraction, gas, law, shaken};
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Measures that look at a run: two agglomerates that are glued and parted by hand across a rank border.
+//! Measures of a run: two agglomerates that are glued and separated by hand across a rank border.
 
 use crate::beds::{Bench, PERIODIC, Run, attraction, law};
 use talcum::case::Case;

@@ -1,7 +1,7 @@
 //! One answer: the same bits on any number of ranks, in any decomposition, with any lists, through any restart.
 //!
-//! Equal means equal in every bit, so there are no tolerances. Each scene is dense: in a dilute one an
-//! error in the order of sums stays unseen.
+//! Equal means equal in every bit, so there are no tolerances. Each scene is dense: in a dilute one an error in the
+//! order of sums would remain undetected.
 
 use crate::beds::delayed::{Delayed, Network};
 use crate::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, law};

@@ -1,5 +1,5 @@
-//! A compressible column gas: diffusion through a fixed bed, resonance of a shaken one, its incompressible limit, closure of mass
-//! and momentum, and one answer.
+//! A compressible column gas: diffusion through a fixed bed, resonance of a shaken one, its incompressible limit,
+//! closure of mass and momentum, and the same bits on any ranks.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Run, attraction, gas, law, shaken};
 use std::f64::consts::{PI, TAU};

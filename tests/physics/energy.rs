@@ -1,4 +1,4 @@
-//! The total energy never grows without work: nothing shakes the bed, and no gas blows.
+//! The total energy never grows without work, in beds without vibration and gas flow.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Snapshot, attraction, branch, law};
 use nalgebra::Vector3;

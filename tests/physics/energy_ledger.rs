@@ -1,5 +1,5 @@
-//! The ledger of energies: what every mechanism takes or brings closes against what is stored, for every contact law, with an
-//! error that falls with the step; it changes no bit, and has the same bits on any ranks.
+//! The energy ledger: the work of all mechanisms balances the stored energy, for every contact law, with an error that
+//! falls with the step. The ledger changes no bit, and has the same bits on any ranks.
 
 use crate::beds::{Bench, PERIODIC, PLATE, attraction, gas, law};
 use nalgebra::Vector3;

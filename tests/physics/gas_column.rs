@@ -1,4 +1,4 @@
-//! The one-dimensional gas: pressure drop, balances of momentum, and beds of all kinds.
+//! The one-dimensional gas: pressure drop, momentum balances, and beds of all kinds.
 
 use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Run, attraction, gas, law, shaken};
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! The order of the integrator over a full collision with the real contact law.
 //!
-//! Where a contact begins within a step the error has a term (omega dt)^2 that depends on where; here the
-//! contact begins at the end of a step whatever the step is, so that errors fall smoothly.
+//! If a contact begins within a step, the error has a term (omega dt)^2 that depends on the position within the step.
+//! Here the contact begins at the end of a step for any step, so that errors fall smoothly.
 
 use crate::beds::{Bench, OPEN, PERIODIC, law};
 use nalgebra::Vector3;

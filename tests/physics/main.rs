@@ -1,4 +1,4 @@
-//! Physics against closed forms, published numbers and balances.
+//! Physics, compared with closed forms, published numbers and balances.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 #[path = "../beds/mod.rs"]

@@ -1,5 +1,5 @@
-//! What is measured in a run, held to what is known: stress to the weight of a settled bed, granular temperature to Haff's
-//! cooling, the flux through a plane to the volume that passes, displacements to free flight.
+//! Measures of a run, compared with known results: stress with the weight of a settled bed, granular temperature with
+//! Haff's cooling, the flux through a plane with the volume that passes, displacements with free flight.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Run, law};
 use std::f64::consts::PI;

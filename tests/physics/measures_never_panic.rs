@@ -1,4 +1,4 @@
-//! Any input gives a value or a reason, never a panic, and no value that is not a number.
+//! Any input gives a value or a reason, but never a panic or an undefined value.
 
 use proptest::prelude::*;
 use talcum::analysis::LineFit;

@@ -1,4 +1,4 @@
-//! The gas velocity that carries a settled bed, against the force balance at its solids fraction.
+//! The gas velocity that carries a settled bed, compared with the force balance at its solids fraction.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, gas};
 use nalgebra::Vector3;

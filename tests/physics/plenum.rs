@@ -1,4 +1,5 @@
-//! Gas out of a plenum through a distributor: its time constant, its limits, closure of mass and momentum, and one answer.
+//! Gas from a plenum through a distributor: its time constant, its limits, closure of mass and momentum, and the same
+//! bits on any ranks.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Run, attraction, gas, law, shaken};
 use talcum::domain::RankGrid;

@@ -1,4 +1,4 @@
-//! Several species in one bed: every pair of them, and each at a wall, obeys its own law.
+//! Several species in one bed: every pair of species, and each species at a wall, obeys its own law.
 
 use crate::beds::{Bench, Mixture, OPEN, PERIODIC, PLATE, attraction, law};
 use talcum::contact::{ByPair, BySpecies, ContactForceLaw, ContactModel};

@@ -1,4 +1,5 @@
-//! The force on every wall: plate and side walls together carry the weight of a bed, and classes of size add up.
+//! The force on every wall: plate and side walls together carry the weight of a bed, and the forces of size classes add
+//! up.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Reading, law};
 use nalgebra::Vector3;

@@ -1,4 +1,5 @@
-//! What `talcum check` advises: numbers by which a user sees whether a bed is meant, and warnings, each beside a case without it.
+//! Advice of `talcum check`: numbers by which a user recognises whether a bed is as intended, and warnings, each
+//! compared with a case without it.
 
 use crate::launch::{Ended, in_repository, smoke, talcum};
 

@@ -1,4 +1,4 @@
-//! Drag from agglomerates, as a case and through its files.
+//! Drag from agglomerates, in a case and in its files.
 
 use crate::launch::{checkpoints, in_repository, runs_of, series, talcum};
 use std::path::Path;

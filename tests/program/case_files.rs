@@ -1,5 +1,5 @@
-//! Case files that must be read, and wrong ones that carry the messages they must give: `#^ message` after the
-//! line that an error names (at the top: it names the whole file), `#! message` for an error of the initial bed.
+//! Case files that must be read, and wrong ones that contain the messages they must give: `#^ message` after the line
+//! that an error names (at the top, it names the whole file), `#! message` for an error of the initial bed.
 
 use crate::toml_files::toml_files;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! What a case file means: conversions of dimensionless groups, stages, schedules, overrides.
+//! Meaning of a case file: conversions of dimensionless groups, stages, schedules, overrides.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

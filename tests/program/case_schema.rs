@@ -1,4 +1,4 @@
-//! The manual and the editors' schema of the case file are what the tables in src/case/schema say.
+//! The manual and the editors' schema of the case file agree with the tables in src/case/schema.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

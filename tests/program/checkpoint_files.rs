@@ -1,4 +1,4 @@
-//! Checkpoints come back as they were on any number of ranks, and anything else is refused with a message.
+//! Checkpoints are read back unchanged on any number of ranks, and anything else is rejected with a message.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Parcels in place of particles: what acts on them, what is kept, and what is refused.
+//! Parcels instead of particles: the forces on them, the properties that they keep, and the cases that are rejected.
 
 use crate::launch::{checkpoints, in_repository, runs_of, talcum};
 use std::path::Path;

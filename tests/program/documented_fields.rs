@@ -1,4 +1,4 @@
-//! The rows of docs/files.md about fields are what the lists of fields say.
+//! The rows of docs/files.md about fields agree with the lists of fields.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

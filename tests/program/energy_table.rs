@@ -1,5 +1,5 @@
-//! The ledger of energies in a run, `energy.csv`: it closes over stages that change the models, and is the same on any ranks
-//! and through an interruption.
+//! The energy ledger in a run, `energy.csv`: it closes over stages that change the models, and is the same on any ranks
+//! and after an interruption.
 
 use crate::launch::{smoke, talcum};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What goes wrong ends all ranks, with one message and a code, and never by a hang.
+//! Failures end all ranks, with one message and an exit code, and never by a hang.
 
 use crate::launch::{
     Ended, checkpoints, in_repository, signal, smoke, start, start_program, talcum, wait_for_end_of,

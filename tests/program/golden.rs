@@ -1,13 +1,13 @@
-//! The digests of the smoke cases, kept in tests/golden.toml: an unintended change of results is seen.
+//! The digests of the smoke cases, kept in tests/golden.toml: an unintended change of results is detected.
 //!
-//! After an intended change, look at what it does to the beds, write the new digests with
+//! After an intended change, examine its effect on the beds, write the new digests with
 //!
 //! ```sh
 //! TALCUM_UPDATE_GOLDEN=1 cargo test --test program golden
 //! ```
 //!
-//! and say in the commit what changed the results. The state's path uses no function of the system's
-//! mathematical library, so that the digests are those of any machine with IEEE 754 doubles.
+//! and explain in the commit what changed the results. The computation of the state uses no function of the system's
+//! mathematical library, so the digests hold on any machine with IEEE 754 doubles.
 
 use crate::launch::{Ended, in_repository, smoke, start_with, talcum};
 use std::collections::BTreeMap;

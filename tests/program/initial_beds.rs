@@ -1,4 +1,4 @@
-//! Initial beds: counts, places, sizes, and that nothing touches.
+//! Initial beds: numbers, positions and sizes of particles, and the absence of contacts.
 
 use std::path::Path;
 use talcum::case::{BedPart, BedStart, Case, InitialBed};

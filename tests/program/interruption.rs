@@ -1,5 +1,5 @@
-//! Whatever ends a run early, it resumes from a checkpoint and comes to the same bits: signals, wall-clock
-//! limits, a kill at any instant, a damaged file.
+//! A run that ends early for any reason resumes from a checkpoint and gives the same bits: signals, wall-clock limits,
+//! a kill at any instant, a damaged file.
 
 use crate::launch::{
     Ended, Running, checkpoints, series, signal, smoke, start, talcum, wait_for_end_of,

@@ -1,4 +1,4 @@
-//! A semaphore that a killed run of Open MPI's OMPIO left locked does not make later runs hang.
+//! A semaphore that a killed run with Open MPI's OMPIO left locked does not make later runs hang.
 
 use crate::launch::{smoke, start_with};
 use std::fs;

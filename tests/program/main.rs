@@ -1,4 +1,4 @@
-//! The program as its users meet it: case files, runs, restarts, checkpoints, failures, results.
+//! The program as used by its users: case files, runs, restarts, checkpoints, failures, results.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 #[path = "../launch/mod.rs"]

@@ -1,5 +1,5 @@
-//! The same bits on any number of ranks, on slabs and blocks, with cut planes that move and that stay: the
-//! program under `mpirun`, on a dense, cohesive, frictional, vibrated bed with gas.
+//! The same bits on any number of ranks, on slabs and blocks, with moving and fixed cut planes: the program under
+//! `mpirun`, on a dense, cohesive, frictional, vibrated bed with gas.
 
 use crate::launch::{checkpoints, series, smoke, talcum};
 

@@ -1,4 +1,4 @@
-//! `talcum new`: cases to begin with, which check without errors and are never written over a file.
+//! `talcum new`: cases to begin with, which pass `talcum check` and never overwrite a file.
 
 use crate::launch::talcum;
 

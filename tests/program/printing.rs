@@ -1,4 +1,4 @@
-//! What commands print may have no reader any more, or no room: the first is no error, the second is one.
+//! The output of commands may have no reader any more, or no room: the former is not an error, the latter is one.
 
 use crate::analyse::made::{CASE, Made};
 use crate::launch::{in_repository, smoke};

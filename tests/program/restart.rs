@@ -1,5 +1,5 @@
-//! A run that was stopped continues as if it had not been, on any number of ranks: the same digest, the same
-//! series, profiles and snapshots.
+//! A run that was stopped continues as if it had not been, on any number of ranks: the same digest, series, profiles
+//! and snapshots.
 
 use crate::launch::{checkpoints, series, smoke, talcum};
 use std::collections::BTreeMap;

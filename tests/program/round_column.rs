@@ -1,4 +1,4 @@
-//! Gas in a round column, as a case and through its files.
+//! Gas in a round column, in a case and in its files.
 
 use crate::launch::{checkpoints, in_repository, run_case, runs_of, series, talcum};
 

@@ -1,4 +1,5 @@
-//! `talcum check` prints what a softened spring adds to the work of separation, for every contact law, and warns above 0.1.
+//! `talcum check` prints the contribution of a softened spring to the work of separation, for every contact law, and
+//! warns above 0.1.
 
 use crate::launch::talcum;
 use std::path::Path;

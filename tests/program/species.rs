@@ -1,4 +1,4 @@
-//! Several species in a case file: what they mix to, what is refused, files of particles, runs and restarts.
+//! Several species in a case file: their mixed values, rejected cases, files of particles, runs and restarts.
 
 use crate::launch::{checkpoints, in_repository, runs_of};
 use std::path::Path;

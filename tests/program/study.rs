@@ -1,4 +1,4 @@
-//! A study with the real program: interrupted or not, on any ranks, it comes to the same tables; a bad value is refused
+//! A study with the real program: interrupted or not, it gives the same tables on any ranks; a wrong value is rejected
 //! before anything runs.
 
 use crate::faults::Fault;

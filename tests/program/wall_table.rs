@@ -1,4 +1,4 @@
-//! The table of forces on walls, `walls.csv`: names, classes of size, the same on any ranks and through an
+//! The table of forces on walls, `walls.csv`: names and size classes; it is the same on any ranks and after an
 //! interruption.
 
 use crate::launch::{smoke, talcum};

@@ -1,4 +1,4 @@
-//! The recipes in packaging/, CITATION.cff and the scripts say of version, compiler and licence what Cargo.toml says.
+//! The recipes in packaging/, CITATION.cff and the scripts agree with Cargo.toml on version, compiler and licence.
 
 use std::fs;
 use std::path::Path;

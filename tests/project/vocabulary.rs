@@ -1,5 +1,5 @@
-//! Words that readers of this field would not understand stay out of sources and documents. The list is the last table of
-//! docs/glossary.md.
+//! Words that readers of this field would not understand are not used in sources and documents. The list is the last
+//! table of docs/glossary.md.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! How runs on threads end before their time: by signals, with a checkpoint; by errors, with one message and a code.
+//! Early ends of runs on threads: by signals, with a checkpoint; by errors, with one message and an exit code.
 
 use super::on_threads;
 use crate::launch::{Ended, checkpoints, signal, smoke, start, start_with, talcum};

@@ -1,5 +1,5 @@
-//! Files of ranks as threads and of ranks of MPI are interchangeable: the same rows, and each resumes from the other's
-//! checkpoint.
+//! Files written with ranks as threads and with ranks of MPI are interchangeable: they have the same rows, and each
+//! kind resumes from the other's checkpoint.
 
 use super::on_threads;
 use crate::launch::{checkpoints, series, smoke, talcum};

@@ -1,5 +1,6 @@
-//! The program with threads as ranks: the digests of the repository, and what it shares with runs under MPI: results,
-//! checkpoints, signals, errors. Without the feature `mpi` the same, but what needs `mpirun`.
+//! The program with threads as ranks: the digests of the repository, and the features shared with runs under MPI:
+//! results, checkpoints, signals, errors. Without the feature `mpi` the tests are the same, except for those that need
+//! `mpirun`.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 #[path = "../launch/mod.rs"]

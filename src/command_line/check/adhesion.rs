@@ -1,4 +1,5 @@
-//! What holds particles together: the force and the work that part them, and what softened springs add to the work.
+//! Adhesion of particles: the force and the work that separate them, and the contribution of softened springs to the
+//! work.
 
 use super::gas::highest_velocity;
 use super::lines::Lines;
@@ -8,8 +9,8 @@ use crate::contact::{Softening, pull_off_force, work_of_parting};
 use crate::output::ColumnUnits;
 use crate::rules::{LARGEST_SPRING_PART, WorkOfParting};
 
-/// The work that parts two particles of the reference diameter, and a particle and each wall, in a stage; the strongest
-/// attraction counts.
+/// The work that separates two particles of the reference diameter, and a particle and each wall, in a stage; the
+/// strongest attraction counts.
 pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
     let gravity = stage.physics.gravity.magnitude;
     for partners in Partners::of_stage(case, stage) {
@@ -22,8 +23,8 @@ pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
     }
 }
 
-/// What an impact meets: adhesion number 2 W / (m* U^2), with the work of separation W and the velocity U of the gas, and the speed
-/// at which it is 1. Faster ones part again, if nothing else takes their energy.
+/// Impacts: adhesion number 2 W / (m* U^2), with the work of separation W and the velocity U of the gas, and the speed
+/// at which it is 1. In faster impacts the bodies separate again, unless other mechanisms take their energy.
 fn describe_impacts(
     lines: &mut Lines,
     work: f64,
@@ -41,7 +42,7 @@ fn describe_impacts(
     lines.add(&format!("impacts{} stick", partners.name), &text);
 }
 
-/// Force and work of separation, the latter returned; nothing if the two do not adhere.
+/// Describes force and work of separation, and returns the latter; nothing if the two do not adhere.
 fn describe(
     lines: &mut Lines,
     partners: &Partners<'_>,
@@ -98,14 +99,14 @@ fn spring_part(work: &WorkOfParting) -> String {
     }
 }
 
-/// The work of separation of real particles; `None` if their stiffness is not stated or the law does not give it.
+/// The work of separation of real particles; `None` if their stiffness is not given or the law does not give this work.
 fn work_of_real_particles(
     partners: &Partners<'_>,
     softened: &WorkOfParting,
 ) -> Option<WorkOfParting> {
     let Softening { reduction, keeps_work } = partners.contact.softening?;
     if keeps_work {
-        // Adhesion was scaled for that.
+        // Adhesion was scaled for this purpose.
         return Some(*softened);
     }
     let real = partners.contact.law.stiffened(reduction)?;

@@ -1,4 +1,4 @@
-//! The bed as it would lie at rest: how high it is, and how far its contacts are pressed together.
+//! The bed at rest: its height, and the compression of its contacts.
 
 use super::lines::Lines;
 use crate::case::{Case, Stage};
@@ -13,17 +13,19 @@ use std::f64::consts::PI;
 
 /// Solids fraction of a poured bed.
 const POURED: f64 = 0.6;
-/// With fewer layers there is no bed for a gas to flow through: lengths are mostly in two units then.
+/// Smallest number of layers that form a bed for a gas to flow through; fewer usually mean that lengths are in two
+/// different units.
 const FEWEST_LAYERS: f64 = 3.0;
-/// Of the depth of a packed bed, so much is missing from its pressure drop at its two surfaces: 0.85 times the height of a cell and
-/// three quarters of the filter's width, added as squares (docs/verification.md has the measured values).
+/// Depth of a packed bed that is missing from its pressure drop because of its two surfaces: 0.85 times the height of a
+/// cell and three quarters of the filter's width, added as squares (docs/verification.md has the measured values).
 const LOST_DEPTH: f64 = 0.85;
 const OF_FILTER: f64 = 0.75;
-/// Diameters across the cells of `gas.local_voidage` that are advised.
+/// Recommended width of the cells of `gas.local_voidage`, in diameters.
 const ADVISED_CELL: f64 = 1.5;
-/// The part of the pressure drop whose loss is printed.
+/// Fraction of the pressure drop whose loss is reported.
 const LARGE_LOSS: f64 = 0.15;
-/// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
+/// The largest overlap over the diameter in a bed at rest: beyond it, solids fractions and drag depend on the
+/// stiffness.
 const AT_REST: f64 = 0.05;
 /// Largest overlap of an impact at the highest speed, which is rare and short.
 const IN_IMPACT: f64 = 0.1;
@@ -47,7 +49,7 @@ impl BedAtRest {
         Self { height: solid_volume / (POURED * cross_section), solid_volume, cross_section }
     }
 
-    /// Height and layers, and whether they can be meant.
+    /// Describes height and layers, with a warning if they are implausible.
     pub(super) fn describe(&self, lines: &mut Lines, case: &Case, sizes: &SizeRange) {
         if case.stages.iter().all(|stage| stage.physics.gravity.magnitude == 0.0) {
             return;
@@ -74,10 +76,10 @@ impl BedAtRest {
         }
     }
 
-    /// Whether the cells of a gas, and the filter between them and the particles, resolve the bed's height.
+    /// Describes whether the cells of a gas, and the filter between them and the particles, resolve the bed's height.
     fn describe_cells(&self, lines: &mut Lines, gas: &VolumeAveragedModel, sizes: &SizeRange) {
         let spacing = gas.grid.spacing().z;
-        // Drag laws that see finer cells see no filter.
+        // Drag laws that use finer cells do not use the filter.
         let (seen, filter_width) = match gas.coupling.local_voidage {
             None => (spacing, gas.coupling.filter_width),
             Some(_) => (gas.finest_cells().spacing().z, 0.0),
@@ -94,7 +96,7 @@ impl BedAtRest {
         }
     }
 
-    /// What the voidage of finer cells would leave of the part that is lost, if it is much less.
+    /// The lost fraction with the voidage of finer cells, if it is much smaller.
     fn advice_on_finer_cells(&self, spacing: f64, lost: f64, sizes: &SizeRange) -> String {
         let finer = (spacing / (ADVISED_CELL * sizes.largest_diameter)).round().max(1.0);
         let of_finer = (LOST_DEPTH * spacing / finer / self.height).min(1.0);
@@ -105,7 +107,8 @@ impl BedAtRest {
         String::new()
     }
 
-    /// How far the weight of the bed, and an impact at the highest speed of a stage, press two particles together.
+    /// Describes the overlaps of two particles under the weight of the bed, and in an impact at the highest speed of a
+    /// stage.
     pub(super) fn describe_overlaps(&self, lines: &mut Lines, case: &Case, stage: &Stage) {
         let diameter = case.particles.reference_diameter;
         let mass = case.particles.mass_of(diameter);
@@ -122,7 +125,7 @@ impl BedAtRest {
         }
         let speed = highest_speed(case, stage);
         if speed > 0.0 {
-            // That of a linear spring: v sqrt(m* / k), with pi sqrt(m* / k) the duration of a contact.
+            // The overlap of a linear spring: v sqrt(m* / k), with pi sqrt(m* / k) the duration of a contact.
             let overlap = speed * law.contact_duration(bodies.mass, bodies.radius) / PI / diameter;
             let unit = ColumnUnits::of_system(case.units.name()).speed;
             let when = format!(" at {speed:.4e} {unit}");
@@ -138,7 +141,7 @@ fn tell(lines: &mut Lines, name: &str, [overlap, largest]: [f64; 2], when: &str)
     }
 }
 
-/// The highest of the speeds that are given: the superficial velocity, and the speeds of the plate and of walls.
+/// The highest of the given speeds: the superficial velocity, and the speeds of the plate and of walls.
 fn highest_speed(case: &Case, stage: &Stage) -> f64 {
     let gas = super::gas::upward_velocity(&stage.physics.gas).unwrap_or(0.0);
     let gravity = &stage.physics.gravity;

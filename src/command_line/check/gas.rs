@@ -1,4 +1,4 @@
-//! The gas in numbers that a user knows: its regime, and its velocity beside those at which beds fluidise and particles fly.
+//! The gas in familiar numbers: its regime, and its velocity compared with those of fluidisation and of free fall.
 
 use super::lines::Lines;
 use super::particle::ReferenceParticle;
@@ -11,14 +11,15 @@ use crate::rules::{
 };
 use crate::state::SizeRange;
 
-/// Solids fractions of settled beds, at which the minimum fluidisation velocity is printed.
+/// Solids fractions of settled beds for which the minimum fluidisation velocity is printed.
 const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
-/// Solids over gas density below which the gas is rather a liquid, whose added mass and lubrication are not modelled.
+/// Ratio of solid to gas density below which the gas is rather a liquid, whose added mass and lubrication are not
+/// modelled.
 const LEAST_DENSITY_RATIO: f64 = 10.0;
-/// Excess of the fall velocity of a lone particle that is warned of.
+/// Excess of the fall velocity of a lone particle above which a warning is printed.
 const LARGE_EXCESS: f64 = 0.1;
 
-/// Regime and velocities of the gas of a stage; nothing without gas.
+/// Describes regime and velocities of the gas of a stage; nothing without gas.
 pub(super) fn describe_gas(
     lines: &mut Lines,
     case: &Case,
@@ -64,8 +65,9 @@ pub(super) fn describe_gas(
     }
 }
 
-/// How much too fast the largest or the smallest particle falls alone, whichever is worse: it sees the gas that it moves itself.
-/// Nothing beside drag from agglomerates, with which what it advises is refused.
+/// Describes the excess of the fall velocity of the largest or the smallest particle alone, whichever is worse: its
+/// drag is computed with the gas that it moves itself. Nothing is printed with drag from agglomerates, since the
+/// recommended settings exclude it.
 fn describe_lone_fall(
     lines: &mut Lines,
     case: &Case,
@@ -84,7 +86,7 @@ fn describe_lone_fall(
         let reynolds = drag.density * velocity * diameter / drag.viscosity;
         let resistance = drag.per_velocity(diameter, 0.0, velocity) / (drag.viscosity * diameter);
         let widths = [model.grid.cell_volume().cbrt(), *filter_width].map(|it| it / diameter);
-        // Laws of packed beds let nothing fall alone.
+        // With laws for packed beds nothing can fall alone.
         let falls = velocity.is_finite() && resistance.is_finite();
         falls.then(|| (excess_of_lone_fall(widths, reynolds, resistance), diameter))
     };
@@ -105,7 +107,7 @@ fn describe_lone_fall(
     }
 }
 
-/// How much the drag of all particles by their own diameters exceeds that of their Sauter diameter.
+/// Describes the excess of the drag of all particles by their own diameters over that by their Sauter diameter.
 fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
     let share = match &stage.physics.gas {
         GasModel::None => return,
@@ -130,12 +132,12 @@ fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
     lines.add("drag of the mixture", &text);
 }
 
-/// Members, packing and surroundings of the agglomerates whose drag is printed.
+/// Numbers of members, packing and surroundings of the agglomerates whose drag is printed.
 const MEMBERS: [f64; 3] = [10.0, 30.0, 100.0];
 const PACKING: f64 = 0.4;
 const AROUND: [f64; 2] = [0.0, 0.2];
 
-/// How drag follows from agglomerates, and what xi it makes of balls of some members.
+/// Describes the dependence of the drag on agglomerates, and xi for balls of some members.
 fn describe_agglomerates(lines: &mut Lines, stage: &Stage, diameter: f64) {
     let GasModel::VolumeAveraged(model) = &stage.physics.gas else { return };
     let Some(AgglomerateDrag { every, smallest }) = model.coupling.agglomerates else { return };
@@ -186,7 +188,7 @@ fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
     lines.add("U_mf of the force balance", &told.join(", "));
     // Without neighbours the balance is that of a particle that falls alone.
     let terminal = case.minimum_fluidisation(stage, 0.0).unwrap_or(f64::INFINITY);
-    // Laws of packed beds have none.
+    // Laws for packed beds have no terminal velocity.
     if terminal.is_finite() {
         lines.add("terminal velocity of a particle", &format!("{terminal:.4e} {unit}"));
     }
@@ -209,7 +211,7 @@ fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
     }
 }
 
-/// The largest mean superficial velocity of the gas from below; none if the case does not give it.
+/// The largest mean superficial velocity of the gas from below; `None` if the case does not give it.
 pub(super) fn upward_velocity(gas: &GasModel) -> Option<f64> {
     match gas {
         GasModel::VolumeAveraged(model) => {
@@ -223,7 +225,7 @@ pub(super) fn upward_velocity(gas: &GasModel) -> Option<f64> {
     }
 }
 
-/// The largest superficial velocity that the case gives; none if there is no gas or it follows from the weight.
+/// The largest superficial velocity given by the case; `None` if there is no gas or it follows from the weight.
 pub(super) fn highest_velocity(gas: &GasModel) -> Option<f64> {
     match gas {
         GasModel::None => None,

@@ -1,8 +1,8 @@
-//! Lines of what `check` prints.
+//! Lines of the output of `check`.
 
 use std::fmt::Write;
 
-/// Lines of a name and a value each.
+/// Lines that consist of a name and a value.
 pub(super) struct Lines<'a>(pub(super) &'a mut String);
 
 impl Lines<'_> {

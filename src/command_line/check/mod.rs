@@ -1,4 +1,4 @@
-//! `talcum check`: what would run, in numbers.
+//! `talcum check`: description of a run in numbers.
 
 mod adhesion;
 mod bed;
@@ -51,7 +51,7 @@ pub(super) fn check(
     describe_ranks(&mut message, &initial, ranks);
     let megabytes = 1.0e-6 * memory::needed(&case, Some(particles as f64), ranks);
     let _ = writeln!(message, "memory: about {megabytes:.0} MB in all");
-    // Before the trial: what stands here helps where the trial fails.
+    // This comes before the trial, since it helps if the trial fails.
     say(ranks, message.trim_end())?;
     let trials = try_steps(&case, initial, changes.ranks, ranks)?;
     say(ranks, describe_trials(&case, &trials, ranks).trim_end())
@@ -75,7 +75,7 @@ fn describe_trials(case: &Case, trials: &Trials, ranks: &dyn Communicator) -> St
     message
 }
 
-/// What bodies of the run are, if they are parcels.
+/// Describes the bodies of the run if they are parcels.
 fn describe_parcels(message: &mut String, case: &Case) {
     let Some(parcels) = &case.coarse_graining else { return };
     let unit = ColumnUnits::of_system(case.units.name()).length;
@@ -128,7 +128,7 @@ fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
     }
 }
 
-/// Where a wall is, and how it moves.
+/// Position and motion of a wall.
 fn describe_wall(wall: &Wall) -> String {
     let mut message = match wall.shape {
         WallShape::Plane { point: p, normal: n } => format!(

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Stage};
 
-/// The particle that dimensionless numbers refer to.
+/// The reference particle of dimensionless numbers.
 pub(super) struct ReferenceParticle {
     pub(super) diameter: f64,
     pub(super) density: f64,

@@ -1,4 +1,4 @@
-//! Who touches whom in a stage: each pair of species, and each species at each wall.
+//! Contact partners in a stage: each pair of species, and each species at each wall.
 
 use crate::case::{Case, Stage};
 use crate::contact::{AttractionInContact, ContactModel, VanDerWaals};
@@ -6,20 +6,20 @@ use crate::rules::ReducedBody;
 
 /// Two particles of the reference diameter, or one and a wall.
 pub(super) struct Partners<'a> {
-    /// What is added to the names of lines: nothing for two particles of a bed of one species.
+    /// Suffix of the names of lines: empty for two particles of a bed of one species.
     pub(super) name: String,
     pub(super) contact: &'a ContactModel,
     pub(super) bodies: ReducedBody,
-    /// The species of the two particles; of a particle and a wall, twice that of the particle.
+    /// The species of the two particles; for a particle and a wall, twice that of the particle.
     pub(super) species: [usize; 2],
-    /// Number of the wall, if one of the two is one.
+    /// Number of the wall, if one partner is a wall.
     pub(super) wall: Option<usize>,
     cohesion: Option<&'a VanDerWaals>,
     radius: f64,
 }
 
 impl<'a> Partners<'a> {
-    /// All of a stage: the pairs of species, then walls.
+    /// All partners in a stage: the pairs of species, then walls.
     pub(super) fn of_stage(case: &'a Case, stage: &'a Stage) -> Vec<Self> {
         let count = case.particles.species_count();
         let pairs = (0..count).flat_map(|higher| (0..=higher).map(move |lower| [lower, higher]));

@@ -1,4 +1,4 @@
-//! What acts in a stage, in numbers that a user knows.
+//! The models of a stage in familiar numbers.
 
 use super::adhesion::describe_adhesion;
 use super::gas::{describe_gas, inflow};
@@ -19,20 +19,23 @@ use crate::state::SizeRange;
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-/// The jump of the effective gravity, over g, that passes without a warning: rounding of the stages' times.
+/// The jump of the effective gravity, over g, that is accepted without a warning: rounding of the stages' times.
 const SMALL_JUMP: f64 = 1.0e-3;
 /// Overlap over diameter at which stiffness is printed.
 const SMALL_OVERLAP: f64 = 0.01;
-/// Voidage of a loose bed, at which the response of particles to the gas is printed.
+/// Voidage of a loose bed for which the response of particles to the gas is printed.
 const LOOSE: f64 = 0.45;
-/// Cells of more diameters hide small bubbles and clusters, whose drag is not that of a uniform bed.
+/// Size of cells, in diameters, above which they hide small bubbles and clusters, whose drag is not that of a uniform
+/// bed.
 const COARSE_CELL: f64 = 10.0;
-/// Cells of `gas.local_voidage` of fewer diameters are warned of; the boxes of beds seldom fit 1.5 exactly.
+/// Size of cells of `gas.local_voidage`, in diameters, below which a warning is printed; boxes of beds seldom fit 1.5
+/// exactly.
 const LEAST_LOCAL_CELL: f64 = 1.4;
-/// Cells of fewer diameters need a filter; a little less than 3 for the rounding of lengths.
+/// Size of cells, in diameters, below which they need a filter; slightly less than 3 because of the rounding of
+/// lengths.
 const CELL_OVER_DIAMETER: f64 = 2.999;
 
-/// Appends what is to be known of a stage, by its number, for particles of these sizes.
+/// Appends the description of a stage, by its number, for particles of these sizes.
 pub(super) fn describe(message: &mut String, case: &Case, number: usize, sizes: &SizeRange) {
     let stage = &case.stages[number];
     let _ = writeln!(message, "stage \"{}\":", stage.name);
@@ -57,7 +60,7 @@ pub(super) fn describe(message: &mut String, case: &Case, number: usize, sizes: 
     describe_adhesion(lines, case, stage);
 }
 
-/// Intensity and frequency; a vibration that is switched on in the middle of a cycle throws the bed.
+/// Describes intensity and frequency; a vibration that is switched on in the middle of a cycle throws the bed.
 fn describe_vibration(lines: &mut Lines, case: &Case, number: usize, vibration: &Vibration) {
     let Vibration { relative_acceleration: gamma, frequency, start } = *vibration;
     lines.add("Gamma, frequency", &format!("{gamma:.4}, {frequency:.4}"));
@@ -110,7 +113,8 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
     })
 }
 
-/// How long contacts of the lightest particles of each species last: with each other, and with walls that are otherwise.
+/// Describes the duration of contacts of the lightest particles of each species: with each other, and with walls that
+/// have another law.
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
     let unit = ColumnUnits::of_system(case.units.name()).time;
     let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
@@ -151,7 +155,7 @@ fn describe_column(lines: &mut Lines, gas: &ColumnGas, particle: &ReferenceParti
     lines.add("grid spacing over diameter", &format!("{:.4}", gas.spacing / particle.diameter));
 }
 
-/// Cells beside the largest particles.
+/// Describes the size of cells relative to the largest particles.
 fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRange) {
     let [nx, ny, nz] = model.grid.counts();
     let in_diameters = model.grid.spacing() / sizes.largest_diameter;
@@ -197,7 +201,7 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
     }
 }
 
-/// How the gas step compares with what limits it.
+/// Compares the gas step with its limits.
 fn describe_volume_averaged(
     lines: &mut Lines,
     model: &VolumeAveragedModel,
@@ -215,7 +219,7 @@ fn describe_volume_averaged(
     lines.add("b dt / (m eps^2)", &response);
 }
 
-/// Courant and viscous number of a gas step, as the gas solver takes them.
+/// Describes Courant and viscous number of a gas step, as defined in the gas solver.
 fn describe_gas_step(lines: &mut Lines, model: &VolumeAveragedModel, step: f64) {
     let rate = |[size, velocity]: [f64; 2]| courant_rate([velocity / LOOSE, 0.0, 0.0], [size; 3]);
     let courant = step * inflow(model).map(rate).fold(0.0, f64::max);

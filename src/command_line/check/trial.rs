@@ -1,4 +1,4 @@
-//! How long a run will take, by its first steps and by steps of a dense bed.
+//! Estimate of the duration of a run from its first steps and from steps of a dense bed.
 
 use crate::case::{Amount, BedStart, Case, Stage};
 use crate::domain::{Face, RankGrid};
@@ -8,16 +8,16 @@ use crate::state::{Clock, State};
 use crate::time_step::{self, Staggered, StepError};
 use std::time::{Duration, Instant};
 
-/// How long the first steps are tried.
+/// Duration of the trial of the first steps.
 const FIRST_STEPS: Duration = Duration::from_millis(500);
-/// How long all stages together are tried in a dense bed.
+/// Duration of the trials of all stages together in a dense bed.
 const DENSE_BED: Duration = Duration::from_millis(500);
 
 /// Results of the trials of a case.
 pub(super) struct Trials {
-    /// Seconds that the run will take.
+    /// Estimated duration of the run in seconds.
     pub(super) seconds: f64,
-    /// Whether a dense bed was tried: a poured bed costs more than the loose one that it begins as.
+    /// Whether a dense bed was tried: a poured bed costs more than the loose one at its start.
     pub(super) dense: bool,
     /// Stages whose first steps in a dense bed end with an error.
     pub(super) stopped: Vec<(String, StepError)>,
@@ -56,8 +56,8 @@ pub(super) fn try_steps(
     Ok(trials)
 }
 
-/// The case with its particles in a simple cubic packing on the floor, in which each has nearly as many neighbours as in a poured
-/// bed; none if it pours no bed. Collective.
+/// The case with its particles in a simple cubic packing on the floor, in which each has nearly as many neighbours as
+/// in a poured bed; `None` if the case does not pour a bed. Collective.
 fn dense_bed(case: &Case, initial: &InitialState, ranks: &dyn Communicator) -> Option<Case> {
     let is_poured =
         matches!(case.particles.start, BedStart::Lattice { .. } | BedStart::Random { .. })
@@ -92,7 +92,7 @@ fn pace(
     let mut state = Staggered::new(state);
     let start = Instant::now();
     let mut steps = 0;
-    // The pace of rank 0 decides for all: a collective check every few steps.
+    // The timing of rank 0 decides for all: a collective check every few steps.
     while !ranks.any(ranks.is_root() && start.elapsed() > how_long) {
         for _ in 0..10 {
             time_step::advance(&mut state, &case.domain, &models, work, ranks)?;

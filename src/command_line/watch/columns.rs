@@ -1,10 +1,10 @@
-//! Which columns of `series.csv` are drawn.
+//! The columns of `series.csv` that are drawn.
 
 use crate::analysis::Measures;
 use crate::output::readers::SeriesTable;
 use anyhow::bail;
 
-/// What a bed is looked at for: of each row, the first column that has something to show.
+/// The default columns: of each row, the first column with data worth drawing.
 const DEFAULTS: [&[&str]; 4] = [
     &["grid_pressure_drop", "gas_force", "plate_stress"],
     &["bed_top", "centre_height"],
@@ -49,19 +49,19 @@ impl Curve {
         }
     }
 
-    /// The newest value.
+    /// The last value.
     pub(super) fn last(&self) -> Option<f64> {
         self.points.last().map(|point| point.1)
     }
 }
 
-/// Refuses names that no column has.
+/// Rejects names that no column has.
 ///
 /// # Errors
 /// If there is such a name; the message lists the columns.
 pub(super) fn check_columns(wanted: &[String], series: Option<&SeriesTable>) -> anyhow::Result<()> {
     let written = series.map(names);
-    // Before the run has begun its table, those that it will have.
+    // Before the run has begun its table, its future columns are used.
     let known =
         written.unwrap_or_else(|| Measures::COLUMNS.iter().map(|known| known.name).collect());
     let known: Vec<&str> = known.into_iter().filter(|name| *name != "time").collect();
@@ -73,7 +73,7 @@ pub(super) fn check_columns(wanted: &[String], series: Option<&SeriesTable>) -> 
     }
 }
 
-/// The curves of the columns that were asked for, or of those that have something to show.
+/// The curves of the requested columns, or of those with data worth drawing.
 pub(super) fn chosen(wanted: &[String], series: &SeriesTable) -> Vec<Curve> {
     if wanted.is_empty() {
         let first_alive =
@@ -104,7 +104,7 @@ fn curve(series: &SeriesTable, name: &str) -> Option<Curve> {
     })
 }
 
-/// A column of zeros says that the run has no such thing: no gas, no plate.
+/// Whether a column is not all zeros; zeros mean that the run has no such thing, such as a gas or a plate.
 fn is_alive(curve: &Curve) -> bool {
     curve.points.iter().any(|point| point.1 != 0.0)
 }
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn columns_with_something_to_show_are_chosen_unless_others_are_named() {
         let series = SeriesTable::parse(TEXT).unwrap();
-        // The pressure drop is zero, so that the stress on the plate stands for the load.
+        // The pressure drop is zero, so the stress on the plate represents the load.
         assert_eq!(names_of(&chosen(&[], &series)), ["plate_stress", "bed_top"]);
         let with_gas = SeriesTable::parse(&TEXT.replace("1,0,0.25", "1,0.9,0.25")).unwrap();
         assert_eq!(names_of(&chosen(&[], &with_gas)), ["grid_pressure_drop", "bed_top"]);
@@ -152,7 +152,7 @@ mod tests {
             "{error}"
         );
         assert!(check_columns(&wanted[..1], Some(&series)).is_ok());
-        // Before there is a table, those of the program count.
+        // Before there is a table, the columns of the program count.
         assert!(check_columns(&["bed_top".to_owned()], None).is_ok());
         assert!(check_columns(&wanted[..1], None).is_err());
     }

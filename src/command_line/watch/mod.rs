@@ -1,6 +1,6 @@
 //! `talcum watch`: a run in progress, in the terminal or in a browser.
 //!
-//! `run/` reads the folder of results and changes nothing in it; `terminal/`, `serve/` and `plain.rs` show what it found.
+//! `run/` reads the folder of results and changes nothing in it; `terminal/`, `serve/` and `plain.rs` display the data.
 
 mod columns;
 mod plain;

@@ -4,7 +4,7 @@ use super::columns::{Curve, chosen};
 use super::run::{WatchedRun, brief};
 use std::fmt::Write;
 
-/// The run as it is now.
+/// The present state of the run.
 pub(super) fn report(run: &WatchedRun, columns: &[String]) -> String {
     let overview = run.overview();
     let mut report = format!("{}\n", overview.title);
@@ -29,7 +29,7 @@ pub(super) fn report(run: &WatchedRun, columns: &[String]) -> String {
     report
 }
 
-/// `0.988, between 0 and 1.05`, with the unit.
+/// A text such as `0.988, between 0 and 1.05`, with the unit.
 fn value(curve: &Curve) -> String {
     let (Some(last), Some((least, largest))) = (curve.last(), curve.range()) else {
         return "no number yet".to_owned();

@@ -1,7 +1,7 @@
-//! Long tables as few enough points to draw, without a loss of what the eye would see.
+//! Reduction of long tables to few enough points to draw, without a visible loss.
 
-/// At most `most` of the points, in the order of time: of each of equal parts of the rows the lowest and the highest, so
-/// that no peak is lost, and the newest.
+/// At most `most` of the points, in the order of time: the lowest and the highest in each of equal parts of the rows,
+/// so that no peak is lost, and the last point.
 pub(super) fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     if points.len() <= most {
         return points.to_vec();
@@ -24,7 +24,7 @@ fn extremes(part: &[(f64, f64)]) -> Vec<(f64, f64)> {
     places.into_iter().map(|place| part[place]).collect()
 }
 
-/// Which parts a length falls into if it is cut into at most `most` equal ones; the last may be shorter.
+/// The parts of a length that is divided into at most `most` equal ones; the last may be shorter.
 pub(super) fn parts(length: usize, most: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
     let size = length.div_ceil(most.max(1)).max(1);
     (0..length).step_by(size).map(move |start| start..(start + size).min(length))
@@ -44,7 +44,7 @@ mod tests {
         assert!(thinned.is_sorted_by(|a, b| a.0 < b.0));
         assert!(thinned.contains(&(7_777.0, 9.0)) && thinned.contains(&(3_333.0, -9.0)));
         assert_eq!((thinned[0], thinned.last()), (points[0], points.last()));
-        // Every hundredth point would have lost both.
+        // Taking every hundredth point would have lost both.
         let every_hundredth: Vec<_> = points.iter().step_by(100).collect();
         assert!(every_hundredth.iter().all(|point| point.1 == 0.5));
     }

@@ -12,7 +12,7 @@ pub(super) struct GivenAxis {
     pub(super) replicate: bool,
 }
 
-/// A range with more values than this is a slip of the keyboard.
+/// Largest number of values in a range: a larger one is a typing error.
 const MOST_VALUES: u64 = 100_000;
 
 /// All axes that can be read, in the order of the file.
@@ -58,7 +58,7 @@ fn axis(section: &Section<'_>) -> Option<GivenAxis> {
     Some(GivenAxis { axis: Axis { name, keys, values, line: section.line }, replicate })
 }
 
-/// The one key, or the keys that move together.
+/// The key, or the keys that move together.
 fn keys(section: &Section<'_>) -> Option<Vec<String>> {
     match (section.optional("key"), section.optional("keys")) {
         (Some(key), None) => Some(vec![key.text()?]),
@@ -90,7 +90,7 @@ fn listed(entry: &Entry<'_>, keys: usize) -> Option<Vec<Vec<Value>>> {
     entry.list()?.iter().map(row).collect()
 }
 
-/// Any value that a key of the case may take.
+/// Any value of a key of the case.
 pub(super) fn value(entry: &Entry<'_>) -> Value {
     Value::new(entry.written, number_of(entry.value))
 }
@@ -146,7 +146,7 @@ pub(super) fn scale(section: &Section<'_>) -> Option<bool> {
 }
 
 fn intervals(step: &Entry<'_>, from: f64, to: f64) -> Option<u64> {
-    // The end belongs to the range although its distance is no exact multiple of the step in binary.
+    // The end belongs to the range, although its distance is not an exact multiple of the step in binary.
     let intervals = ((to - from) / step.number()? + 1.0e-9).floor();
     if !(0.0..MOST_VALUES as f64).contains(&intervals) {
         step.fail(format!("must lead from {from} to {to} in less than {MOST_VALUES} steps"));
@@ -172,7 +172,7 @@ fn of_range(number: f64, whole: bool) -> Value {
     }
 }
 
-/// The replicates: `seeds`, or the one axis that says `replicate = true`.
+/// The replicates: `seeds`, or the one axis with `replicate = true`.
 pub(super) fn replicates(root: &Section<'_>, axes: &[GivenAxis]) -> Option<Axis> {
     let given: Vec<&Axis> = axes.iter().filter(|axis| axis.replicate).map(|a| &a.axis).collect();
     let seeds = root.optional("seeds");
@@ -196,7 +196,7 @@ pub(super) fn replicates(root: &Section<'_>, axes: &[GivenAxis]) -> Option<Axis>
     Some(Axis { name, keys, values, line })
 }
 
-/// The position of the axis that an entry names.
+/// The position of the axis named by an entry.
 pub(super) fn find(entry: &Entry<'_>, axes: &[Axis]) -> Option<usize> {
     let name = entry.text()?;
     let position = axes.iter().position(|axis| axis.name == name);
@@ -210,7 +210,7 @@ pub(super) fn find(entry: &Entry<'_>, axes: &[Axis]) -> Option<usize> {
     position
 }
 
-/// Refuses a key that is set in two places, and values that occur twice on an axis.
+/// Rejects a key that is set in two places, and values that occur twice on an axis.
 pub(super) fn check_keys(study: &Study, root: &Section<'_>) {
     let fail = |line: usize, key: &str, message: String| {
         let (line, key) = (Some(line), key.to_owned());
@@ -228,7 +228,7 @@ pub(super) fn check_keys(study: &Study, root: &Section<'_>) {
     }
     let continued = study.continuation.as_ref().map(|continuation| continuation.axis);
     for (position, axis) in study.axes.iter().enumerate() {
-        // A ramp up and down again passes the same value twice, with another past.
+        // A ramp up and down passes the same value twice, with different histories.
         if axis.repeats() && continued != Some(position) {
             fail(axis.line, &axis.name, "has the same values twice".to_owned());
         }

@@ -16,7 +16,7 @@ use toml::de::{DeTable, DeValue};
 /// Reads a study file.
 ///
 /// # Errors
-/// All that is wrong with the file, not only the first error.
+/// All errors of the file, not only the first.
 pub(crate) fn read(path: &Path, measures: &Registry) -> Result<Study, Refusal> {
     let problems = Problems::default();
     let text = std::fs::read_to_string(path);
@@ -76,7 +76,7 @@ fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> 
     Some(study)
 }
 
-/// What is left out is no error; what was given and could not be read is.
+/// A key that is left out is not an error; a key that was given and could not be read is one.
 fn unless_wrong<T>(given: Option<Option<T>>) -> Option<Option<T>> {
     match given {
         Some(None) => None,
@@ -96,7 +96,7 @@ fn settings(entry: &Entry<'_>) -> Vec<Setting> {
 }
 
 fn collect_settings(path: &str, entry: &Entry<'_>, all: &mut Vec<Setting>) {
-    // The text of an inline table begins with its brace; that of a section is elsewhere.
+    // The text of an inline table begins with its brace; the text of a section is elsewhere.
     let is_section = matches!(entry.value, DeValue::Table(_)) && !entry.written.starts_with('{');
     match entry.section_if(is_section) {
         Some(section) => {
@@ -111,11 +111,12 @@ fn collect_settings(path: &str, entry: &Entry<'_>, all: &mut Vec<Setting>) {
     }
 }
 
-/// Columns that every table of runs or points has, whatever is varied and measured.
+/// Columns of every table of runs or points, whatever is varied and measured.
 const COLUMNS: [&str; 7] =
     ["run", "point", "runs", "state", "digest", "begins_with", "identity_blake3"];
 
-/// The list `measures`, then the sections `[measure.NAME]`, then that of a search by itself if it is none of them: at least one.
+/// The list `measures`, then the sections `[measure.NAME]`, then the measure of a search if it is not among them: at
+/// least one.
 fn measures(
     root: &Section<'_>,
     registry: &Registry,
@@ -166,7 +167,7 @@ fn listed_measure(entry: &Entry<'_>, registry: &Registry) -> Option<NamedMeasure
     }
 }
 
-/// The sections `[measure.NAME]` by their names.
+/// The sections `[measure.NAME]`, by their names.
 fn measure_sections<'a>(entry: &Entry<'a>) -> Vec<(String, Entry<'a>)> {
     let Some(section) = entry.section() else { return Vec::new() };
     let sections = section.entries();
@@ -204,7 +205,7 @@ fn continuation(entry: &Entry<'_>, axes: &[Axis]) -> Option<Continuation> {
     Some(Continuation { axis, from_stage: unless_wrong(from_stage)?, settings })
 }
 
-/// The usual confidence level.
+/// The default confidence level.
 const CONFIDENCE: f64 = 0.95;
 
 fn confidence(root: &Section<'_>) -> f64 {
@@ -216,7 +217,7 @@ fn confidence(root: &Section<'_>) -> f64 {
     level
 }
 
-/// More ranks or runs than these are a slip of the keyboard.
+/// Largest number of ranks or runs: a larger one is a typing error.
 const MOST: u64 = 65_536;
 
 fn resources(root: &Section<'_>) -> Option<Resources> {

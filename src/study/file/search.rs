@@ -89,7 +89,7 @@ fn pair(entry: &Entry<'_>) -> Option<[f64; 2]> {
     }
 }
 
-/// The measure of a search that names one by itself.
+/// The measure of a search that defines it by itself.
 pub(super) fn own_measure(
     search: Option<&Option<Bisection>>,
     registry: &Registry,
@@ -99,7 +99,7 @@ pub(super) fn own_measure(
     Some(NamedMeasure { name: search.measure.clone(), measure, line: search.line })
 }
 
-/// Refuses a search for an unknown measure or with a threshold of another kind, or one that is combined with a
+/// Rejects a search for an unknown measure, one with a threshold of another kind, and one that is combined with a
 /// continuation.
 pub(super) fn check(study: &Study, root: &Section<'_>) {
     let Some(search) = &study.bisection else { return };
@@ -124,7 +124,7 @@ pub(super) fn check(study: &Study, root: &Section<'_>) {
     }
 }
 
-/// Why the threshold cannot be one of the measure.
+/// The reason why the threshold cannot be a value of the measure.
 fn wrong_threshold(search: &Bisection, measure: &NamedMeasure) -> Option<String> {
     let name = &measure.name;
     match (measure.measure.texts(), &search.threshold) {

@@ -1,4 +1,4 @@
-//! Starts runs and waits for their end.
+//! Starting runs and waiting for their end.
 
 mod process;
 
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// A run that is to be started.
 #[derive(Debug)]
 pub(crate) struct Job {
-    /// Its case and all that is set in it.
+    /// Its case and all settings in it.
     pub(crate) request: CaseRequest,
     /// The folder of its results.
     pub(crate) folder: PathBuf,
@@ -19,10 +19,10 @@ pub(crate) struct Job {
     pub(crate) lock: File,
 }
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Exit {
-    /// Whether it reported no error.
+    /// Whether it ended without an error.
     pub(crate) success: bool,
     /// The exit code or signal, and the last lines of the error output.
     pub(crate) description: String,
@@ -39,7 +39,7 @@ pub(crate) trait Runner {
 
 /// A run in progress.
 pub(crate) trait Running {
-    /// How it ended, if it has.
+    /// Its end, if it has ended.
     fn poll(&mut self) -> Option<Exit>;
 
     /// Asks it to write a checkpoint and to end.

@@ -9,11 +9,11 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
 
-/// Standard output of a run.
+/// File name for the standard output of a run.
 const OUTPUT: &str = "output.log";
-/// Standard error of a run.
+/// File name for the standard error of a run.
 const ERRORS: &str = "error.log";
-/// Lines of the error output that are quoted.
+/// Number of lines of the error output that are quoted.
 const QUOTED_LINES: usize = 5;
 
 /// Starts `talcum run`.
@@ -56,15 +56,15 @@ impl TalcumRunner {
         let mut command = Command::new(program);
         let errors = job.folder.join(ERRORS);
         command.args(arguments);
-        // The lock is the standard input, an empty file: it is held until the last process of the run has ended,
+        // The lock file, which is empty, is the standard input: it is held until the last process of the run has ended,
         // even if the study is killed before.
         command.stdin(job.lock);
         command.stdout(append(&job.folder.join(OUTPUT))?);
         command.stderr(truncate(&errors)?);
-        // Ctrl-C reaches the study alone, which then stops its runs gently.
+        // Ctrl-C reaches only the study, which then stops its runs gently.
         command.process_group(0);
         if self.resources.at_a_time > 1 {
-            // Open MPI binds the ranks of every job to the first cores: jobs would share them.
+            // Open MPI binds the ranks of every job to the first cores, which the jobs would then share.
             command.env("OMPI_MCA_hwloc_base_binding_policy", "none");
             command.env("PRTE_MCA_hwloc_default_binding_policy", "none");
         }
@@ -117,7 +117,7 @@ impl Running for RunningProcess {
     }
 
     fn ask_to_stop(&mut self) {
-        // mpirun passes SIGUSR1 on to its ranks, and ends with their exit code. It may have ended just now.
+        // mpirun forwards SIGUSR1 to its ranks, and ends with their exit code. It may have ended just now.
         let _ = self.pid().map(|pid| kill_process(pid, Signal::USR1));
     }
 
@@ -134,7 +134,7 @@ fn describe(status: ExitStatus) -> String {
     }
 }
 
-/// The error that a run printed last, or else its last lines.
+/// The last error printed by a run, or else its last lines.
 fn last_lines(path: &Path) -> String {
     let bytes = std::fs::read(path).unwrap_or_default();
     let text = String::from_utf8_lossy(&bytes);

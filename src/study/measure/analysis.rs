@@ -1,4 +1,4 @@
-//! A number or text that `talcum analyse` measures.
+//! A number or text measured by `talcum analyse`.
 
 use super::{Measure, MeasureSource, Measured, Value, Window, window_of};
 use crate::output::OutputError;
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// What was found on a run by one measure; runs are read once, however often a search asks for them.
+/// Findings on a run by one measure; runs are read only once, even if a search requests them several times.
 type Found = HashMap<(PathBuf, &'static str, String), Rc<post_processing::Findings>>;
 
 /// The source `analysis`.
@@ -49,7 +49,7 @@ impl MeasureSource for Analysis {
 }
 
 impl Analysis {
-    /// The measure of one of its names over a window.
+    /// The measure with one of its names, over a window.
     pub(super) fn over(&self, name: &str, window: Window) -> Option<Box<dyn Measure>> {
         let scalar = post_processing::scalar_named(name)?;
         Some(Box::new(Quantity { scalar, window, found: Rc::clone(&self.found) }))
@@ -65,7 +65,7 @@ struct Quantity {
 }
 
 impl Quantity {
-    /// What its measure finds on a run.
+    /// The findings of its measure on a run.
     fn findings(&self, results: &Path) -> Result<Rc<post_processing::Findings>, OutputError> {
         let measure = self.scalar.measure;
         let key = (results.to_owned(), measure.name, self.window.to_string());

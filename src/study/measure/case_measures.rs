@@ -1,4 +1,4 @@
-//! A number that the run measured itself, by a section `[measure.NAME]` of its case.
+//! A number measured by the run itself, through a section `[measure.NAME]` of its case.
 
 use super::{Measure, MeasureSource, Measured, Reduction, Value};
 use crate::output::{MeasureResults, OutputError};
@@ -35,14 +35,14 @@ pub(super) struct ResultStatistic {
 }
 
 impl ResultStatistic {
-    /// Whether a run has the file of its measure.
+    /// Whether the results of a run contain the file of its measure.
     pub(super) fn is_in(&self, results: &Path) -> bool {
         MeasureResults::file_of(&self.measure, results).exists()
     }
 }
 
 impl Measure for ResultStatistic {
-    /// Rows that are not defined, such as the mean size of no agglomerates, do not count.
+    /// Rows that are undefined, such as the mean size if there are no agglomerates, do not count.
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
         let path = MeasureResults::file_of(&self.measure, results);
         if !self.is_in(results) {

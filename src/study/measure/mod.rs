@@ -1,7 +1,7 @@
-//! What is measured on a finished run: one number with its unit, or one text.
+//! Measures of a finished run: one number with its unit, or one text.
 //!
 //! A *source* makes measures from the keys of a section `[measure.NAME]` of a study file, and from names in its list
-//! `measures`. Sources are looked up by name in a [`Registry`], so that another one is added without a change
+//! `measures`. Sources are looked up by name in a [`Registry`], so that another one can be added without a change
 //! elsewhere.
 
 mod analysis;
@@ -23,18 +23,18 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use window::window_of;
 
-/// What a run gave.
+/// Value of a measure for a run.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value {
     /// A number.
     Number(f64),
     /// A text, such as the state of a bed.
     Text(String),
-    /// Nothing, for this reason: a bed without waves has no speed of waves.
+    /// No value, for this reason: a bed without waves has no wave speed.
     Nothing(String),
 }
 
-/// What a run gave, with its unit.
+/// Value of a measure for a run, with its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Measured {
     /// Its value.
@@ -50,34 +50,34 @@ impl Measured {
     }
 }
 
-/// How one number or text is taken from the results of a run.
+/// A measure that takes one number or text from the results of a run.
 pub(crate) trait Measure: fmt::Debug {
-    /// What the run gave.
+    /// Its value for a run.
     ///
     /// # Errors
-    /// If the results cannot be read, or lack what is measured.
+    /// If the results cannot be read, or lack the required data.
     fn value(&self, results: &Path) -> Result<Measured, OutputError>;
 
-    /// What is taken, for the head of a table.
+    /// Its description, for the head of a table.
     fn describe(&self) -> String;
 
-    /// Refuses a measure that this run cannot give.
+    /// Checks whether this run can give the measure.
     ///
     /// # Errors
-    /// What is wrong, and what is allowed.
+    /// The error, and the allowed choices.
     fn check(&self, run: &RunOutline) -> Result<(), String>;
 
-    /// Why this run will have nothing to measure, as far as its case shows.
+    /// The reason why this run will have nothing to measure, as far as its case shows.
     fn impossible(&self, _run: &RunOutline) -> Option<String> {
         None
     }
 
-    /// The texts that it may give; `None` if it gives numbers.
+    /// The possible texts; `None` if it gives numbers.
     fn texts(&self) -> Option<&'static [&'static str]> {
         None
     }
 
-    /// Whether a run may have nothing to measure, which is no error.
+    /// Whether a run may have nothing to measure without this being an error.
     fn may_be_nothing(&self) -> bool {
         false
     }
@@ -85,46 +85,46 @@ pub(crate) trait Measure: fmt::Debug {
 
 /// Makes measures from the keys of a section, or from names alone.
 pub(crate) trait MeasureSource {
-    /// What `source = "..."` calls it.
+    /// Its name in `source = "..."`.
     fn name(&self) -> &'static str;
 
-    /// The measure that a section asks for. What is wrong with its keys is reported by the section; the
-    /// result is then `None`.
+    /// The measure requested by a section. Errors in its keys are reported through the section; the result is then
+    /// `None`.
     fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>>;
 
-    /// The names that stand for a measure by themselves.
+    /// The names that define a measure by themselves.
     fn names(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// The measure of one of these names, of the whole run.
+    /// The measure with one of these names, for the whole run.
     fn named(&self, _name: &str) -> Option<Box<dyn Measure>> {
         None
     }
 }
 
-/// A measure with the name that a study gives it.
+/// A measure with its name in a study.
 #[derive(Debug)]
 pub(crate) struct NamedMeasure {
     /// Its name in tables.
     pub(crate) name: String,
-    /// How it is taken.
+    /// The measure itself.
     pub(crate) measure: Box<dyn Measure>,
     /// The line of the study file, from 1.
     pub(crate) line: usize,
 }
 
-/// Measures of results that are there, by their names: a number of `talcum analyse`, as in `waves.speed`, or a column of a
-/// measure of the case, as in `network.mean_age`.
+/// Measures of existing results, by their names: a number of `talcum analyse`, such as `waves.speed`, or a column of a
+/// measure of the case, such as `network.mean_age`.
 #[derive(Debug, Default)]
 pub(crate) struct OfResults(Analysis);
 
 impl OfResults {
-    /// The measure of that name on these results. The times of the reduction hold for both kinds; its statistic is that of
-    /// rows.
+    /// The measure with that name on these results. The times of the reduction apply to both kinds; its statistic
+    /// applies to rows.
     ///
     /// # Errors
-    /// If the name stands for no number of any of them.
+    /// If the name is not that of a number of any of the results.
     pub(crate) fn named(
         &self,
         name: &str,
@@ -157,7 +157,7 @@ impl OfResults {
 pub(crate) struct Registry(Vec<Box<dyn MeasureSource>>);
 
 impl Default for Registry {
-    /// The columns of `series.csv`, what the runs measure themselves, and what `talcum analyse` measures.
+    /// The columns of `series.csv`, the measures of the runs themselves, and those of `talcum analyse`.
     fn default() -> Self {
         Self(vec![Box::new(Series), Box::new(CaseMeasures), Box::new(Analysis::default())])
     }
@@ -183,10 +183,10 @@ impl Registry {
         None
     }
 
-    /// The measure that a name stands for by itself.
+    /// The measure that a name defines by itself.
     ///
     /// # Errors
-    /// What to write instead, if no source knows it.
+    /// Suggestions for the name, if no source knows it.
     pub(crate) fn named(&self, name: &str) -> Result<Box<dyn Measure>, String> {
         let found = self.0.iter().find_map(|source| source.named(name));
         found.ok_or_else(|| {

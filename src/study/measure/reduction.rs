@@ -1,9 +1,9 @@
-//! From the values of a run over time to one number: a statistic over a window.
+//! Reduction of the values of a run over time to one number: a statistic over a window.
 
 use super::{Window, window_of};
 use crate::study::section::Section;
 
-/// What is computed from the rows in the window.
+/// A statistic of the rows in the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Statistic {
     /// Arithmetic mean of the rows.
@@ -27,7 +27,7 @@ impl Statistic {
         ("deviation", Self::Deviation),
     ];
 
-    /// The statistic of that name.
+    /// The statistic with that name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, statistic)| *statistic)
     }
@@ -57,14 +57,15 @@ impl Statistic {
 /// A statistic over a window of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reduction {
-    /// What is computed.
+    /// The statistic.
     pub(crate) statistic: Statistic,
-    /// From which rows.
+    /// The window of its rows.
     pub(crate) window: Window,
 }
 
 impl Reduction {
-    /// The reduction that the keys `statistic` and `window` of a section ask for; `None` if one is wrong, which has then been reported.
+    /// The reduction with the keys `statistic` and `window` of a section; `None` if one is wrong, which has then been
+    /// reported.
     pub(super) fn of_section(section: &Section<'_>) -> Option<Self> {
         let statistic =
             section.required("statistic", "\"mean\", \"last\", \"max\", \"min\" or \"deviation\"");
@@ -96,7 +97,7 @@ impl Reduction {
         })
     }
 
-    /// `mean of bed_top from 50`, and the like.
+    /// A description such as `mean of bed_top from 50`.
     pub(super) fn describe(&self, quantity: &str) -> String {
         format!("{} of {quantity}{}", self.statistic.name(), self.window)
     }

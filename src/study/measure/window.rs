@@ -1,19 +1,19 @@
-//! The part of a run that a measure is taken from.
+//! The part of a run from which a measure is taken.
 
 use crate::study::section::{Entry, Section};
 use std::fmt;
 
-/// Times of rows are sums of steps: one part in 10^9 is far below any interval between them.
+/// Relative tolerance of times, which are sums of steps: it is far below any interval between rows.
 const SLACK: f64 = 1.0e-9;
 
-/// Which rows count, by their time; both ends belong to it.
+/// The range of times of the rows that count; both ends are included.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Window {
     /// First time; the start of the run if it is not given.
     pub(crate) from: Option<f64>,
     /// Last time; the end of the run if it is not given.
     pub(crate) to: Option<f64>,
-    /// Instead: so much time before the last row.
+    /// Alternatively, the duration before the last row.
     pub(crate) last: Option<f64>,
 }
 
@@ -26,10 +26,10 @@ impl Window {
         (from.map_or(f64::NEG_INFINITY, |from| from - slack), to)
     }
 
-    /// Refuses a window that no run of this length has.
+    /// Rejects a window that is impossible for a run of this length.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The error.
     pub(crate) fn check(&self, end_time: f64) -> Result<(), String> {
         let beyond = |time: f64| time > end_time * (1.0 + SLACK);
         match *self {
@@ -45,7 +45,7 @@ impl Window {
 }
 
 impl fmt::Display for Window {
-    /// ` from 50`, and the like; nothing for a whole run.
+    /// A text such as ` from 50`; empty for a whole run.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ends = [("from", self.from), ("to", self.to), ("last", self.last)];
         let mut given = ends.into_iter().filter_map(|(end, time)| Some((end, time?)));

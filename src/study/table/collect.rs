@@ -12,24 +12,24 @@ use crate::study::task::{Records, RunState};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The tables, and what could not be measured.
+/// The tables, and the failed measures.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Collected {
     /// `runs`, `searches` if there are any, and `points`.
     pub(crate) tables: Vec<ResultTable>,
-    /// Why measures are missing from complete runs.
+    /// Reasons why measures are missing from complete runs.
     pub(crate) failures: Vec<String>,
 }
 
-/// A run with what it gave; `None` where that could not be read.
+/// A run with its values; `None` for values that could not be read.
 struct Row {
     member: Arc<Member>,
     state: RunState,
     measured: Vec<Option<Value>>,
 }
 
-/// Reads all runs and makes the tables. They depend on the results only, not on the order in which runs
-/// ended, or on their ranks.
+/// Reads all runs and makes the tables. They depend only on the results, not on the order in which runs ended, or on
+/// their ranks.
 ///
 /// # Errors
 /// If the case cannot be read.
@@ -112,7 +112,7 @@ impl Collector<'_> {
         ResultTable::new("runs", columns)
     }
 
-    /// State and digest of each run, and what it came from.
+    /// State, digest and provenance of each run.
     fn origin_columns(&self, rows: &[Row]) -> Vec<Column> {
         let digest = |row: &Row| match &row.state {
             RunState::Done(digest) => digest.clone(),
@@ -155,7 +155,7 @@ impl Collector<'_> {
         ResultTable::new("points", columns)
     }
 
-    /// The number of each point, and what it sets.
+    /// The number of each point, and its settings.
     pub(super) fn point_columns(&self, points: &[Point]) -> Vec<Column> {
         let numbers = (1..=points.len() as u64).collect();
         let keys: Vec<String> =
@@ -180,7 +180,7 @@ impl Collector<'_> {
         keys.iter().map(column).collect()
     }
 
-    /// What the tables came from. Nothing in it depends on ranks, machines or dates.
+    /// Provenance of the tables. It does not depend on ranks, machines or dates.
     fn provenance(&self, rows: &[Row]) -> Vec<(String, String)> {
         let study = self.session.study;
         let done: Vec<&Row> =
@@ -224,7 +224,7 @@ fn text_column(rows: &[Row], name: &str, about: &str, of: &dyn Fn(&Row) -> Strin
     Column::new(name, about, Cells::Text(rows.iter().map(of).collect()))
 }
 
-/// The state of a run as tables and `--status` name it.
+/// The name of a run's state in tables and for `--status`.
 pub(crate) fn state_name(state: &RunState) -> &'static str {
     match state {
         RunState::Done(_) => "complete",

@@ -5,7 +5,7 @@ use crate::study::folder::write_whole;
 use crate::study::setting::shortest;
 use std::path::{Path, PathBuf};
 
-/// Writes each table as `NAME.csv` into a folder, in the place of those that are there; returns the files.
+/// Writes each table as `NAME.csv` into a folder, replacing any existing ones; returns the files.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -38,7 +38,7 @@ pub(crate) fn text(table: &ResultTable) -> String {
 }
 
 fn cells(cells: &Cells) -> Vec<String> {
-    // What is not a number is left empty, which pandas and numpy read as such.
+    // NaN is written as an empty cell, which pandas and numpy read as NaN.
     let number = |value: &f64| if value.is_nan() { String::new() } else { shortest(*value) };
     match cells {
         Cells::Text(texts) => texts.iter().map(|text| quoted(text)).collect(),
@@ -47,7 +47,7 @@ fn cells(cells: &Cells) -> Vec<String> {
     }
 }
 
-/// Quoted as RFC 4180 says, where that is needed.
+/// A text quoted according to RFC 4180, if necessary.
 fn quoted(text: &str) -> String {
     let text = text.replace(['\n', '\r'], " ");
     match text.contains([',', '"']) {

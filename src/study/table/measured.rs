@@ -5,19 +5,19 @@ use crate::output::{Cells, Column};
 use crate::study::measure::{NamedMeasure, Value};
 use std::collections::BTreeMap;
 
-/// A measure and its unit, as tables name them.
+/// A measure and its unit, as named in tables.
 pub(super) struct MeasureColumns<'a> {
     measure: &'a NamedMeasure,
     unit: Option<&'a str>,
 }
 
 impl<'a> MeasureColumns<'a> {
-    /// The unit is known as soon as a run has given it.
+    /// Columns of a measure; its unit is known once a run has given it.
     pub(super) fn of(measure: &'a NamedMeasure, unit: Option<&'a str>) -> Self {
         Self { measure, unit }
     }
 
-    /// What each run gave; `None` where it could not be read.
+    /// The value of each run; `None` for values that could not be read.
     pub(super) fn of_runs(&self, values: &[Option<&Value>]) -> Column {
         let about = "of the run";
         if self.measure.measure.texts().is_some() {
@@ -29,8 +29,8 @@ impl<'a> MeasureColumns<'a> {
         numbers(&self.measure.name, self.unit, about, values)
     }
 
-    /// What the runs of each point gave together. Runs in which there is nothing to measure do not count; one that could
-    /// not be read leaves the point without a mean.
+    /// The combined values of the runs of each point. Runs with nothing to measure do not count; a run that could not
+    /// be read leaves the point without a mean.
     pub(super) fn of_points(&self, values: &[Vec<Option<&Value>>], confidence: f64) -> Vec<Column> {
         if self.measure.measure.texts().is_some() {
             let cells = Cells::Text(values.iter().map(|values| tally(values)).collect());
@@ -56,13 +56,13 @@ fn text_of(value: &Value) -> String {
     }
 }
 
-/// The numbers of the runs that have one to give.
+/// The numbers of the runs that have one.
 fn given(values: &[Option<&Value>]) -> Vec<f64> {
     let has_one = |value: &&Option<&Value>| !matches!(value, Some(Value::Nothing(_)));
     values.iter().filter(has_one).map(|value| number_of(*value)).collect()
 }
 
-/// One text if all runs gave the same, else how many gave which: `2 frozen, 1 waves`.
+/// One text if all runs gave the same, otherwise the number of runs for each: `2 frozen, 1 waves`.
 fn tally(values: &[Option<&Value>]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for text in values.iter().flatten().map(|value| text_of(value)) {

@@ -1,11 +1,11 @@
-//! What the runs of each point gave, as columns of a table.
+//! The values of the runs of each point, as columns of a table.
 
 use super::replicates::Replicates;
 use crate::output::{Cells, Column};
 
-/// The values of a number that the runs of each point gave.
+/// The values of a number for the runs of each point.
 pub(crate) struct OfPoints<'a> {
-    /// What the number is called.
+    /// Name of the number.
     pub(crate) name: &'a str,
     /// Its unit, if it is known.
     pub(crate) unit: Option<&'a str>,
@@ -14,8 +14,8 @@ pub(crate) struct OfPoints<'a> {
 }
 
 impl OfPoints<'_> {
-    /// Mean, standard deviation and both ends of the interval at a level of confidence; if runs may have had nothing to give,
-    /// the number of those that gave a value.
+    /// Mean, standard deviation and both ends of the interval at a level of confidence; if runs may have had nothing to
+    /// measure, also the number of those that gave a value.
     pub(crate) fn columns(&self, may_be_nothing: bool, confidence: f64) -> Vec<Column> {
         let Self { name, unit, given } = *self;
         let replicates: Vec<Option<Replicates>> =
@@ -38,7 +38,7 @@ impl OfPoints<'_> {
     }
 }
 
-/// A column of numbers, whose unit may not be known.
+/// A column of numbers, whose unit may be unknown.
 pub(super) fn numbers(name: &str, unit: Option<&str>, about: &str, values: Vec<f64>) -> Column {
     let column = Column::new(name, about, Cells::Number(values));
     Column { unit: unit.map(str::to_owned), ..column }

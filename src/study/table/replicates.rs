@@ -1,4 +1,4 @@
-//! What the replicates of a point give together.
+//! Combined values of the replicates of a point.
 
 use crate::analysis::statistics::{Moments, SampleMean, moments};
 
@@ -7,14 +7,14 @@ use crate::analysis::statistics::{Moments, SampleMean, moments};
 pub(crate) struct Replicates {
     /// Mean of the values.
     pub(crate) mean: f64,
-    /// Their standard deviation, with n - 1; not a number for one value.
+    /// Their standard deviation, with n - 1; NaN for one value.
     pub(crate) deviation: f64,
-    /// Half the width of the interval, t s / sqrt(n); not a number for one value.
+    /// Half the width of the interval, t s / sqrt(n); NaN for one value.
     pub(crate) half_width: f64,
 }
 
 impl Replicates {
-    /// At a level of confidence, for example 0.95; `None` without values, or if one is not a number.
+    /// Statistics at a level of confidence, for example 0.95; `None` without values, or if one is not a number.
     pub(crate) fn of(values: &[f64], confidence: f64) -> Option<Self> {
         let Moments { count, mean, deviation } = moments(values).ok()?;
         let interval = SampleMean::of(values).and_then(|sample| sample.interval(confidence));

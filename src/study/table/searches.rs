@@ -105,10 +105,10 @@ fn found(record: &SearchRecord) -> Option<[f64; 2]> {
     }
 }
 
-/// Mean, deviation, lower and upper end of the interval, and resolution, of the last brackets of some searches.
+/// Mean, deviation, lower and upper end of the interval, and resolution, for the last brackets of some searches.
 ///
-/// Student's interval is widened by the resolution at both ends: the crossing lies anywhere in a bracket. From one
-/// search there is its bracket only.
+/// Student's interval is widened by the resolution at both ends, since the crossing lies anywhere in a bracket. For a
+/// single search there is only its bracket.
 fn critical_value(search: &Bisection, brackets: &[[f64; 2]], confidence: f64) -> [f64; 5] {
     let middles: Vec<f64> =
         brackets.iter().map(|&[lower, upper]| search.middle(lower, upper)).collect();

@@ -1,4 +1,4 @@
-//! Which points and tasks a study expands to, and how its runs are named.
+//! Points and tasks to which a study expands, and names of its runs.
 
 use super::fakes::Desk;
 use crate::study::setting::Setting;

@@ -1,4 +1,4 @@
-//! Runs without a program: their results are made up from their cases.
+//! Runs without a program: their results are computed from their cases.
 
 use crate::study::checker::{CaseChecker, CaseRequest};
 use crate::study::definition::Study;
@@ -21,7 +21,7 @@ use std::time::Duration;
 
 pub(super) const CASE: &str = "title = \"bed\"\n[particles]\ncount = 10\nseed = 1\n[particles.start]\nkind = \"lattice\"\n[cohesion]\nbond_number = 1.0\n[gas]\nsuperficial_velocity = 0.1\n[time]\nend = 4.0\n";
 
-/// Refuses negative numbers, and keys that the case does not have.
+/// Rejects negative numbers, and keys that the case does not have.
 pub(super) struct FakeChecker;
 
 impl CaseChecker for FakeChecker {
@@ -48,14 +48,14 @@ impl CaseChecker for FakeChecker {
     }
 }
 
-/// What a made-up run gives: a number, or an error.
+/// Result of a simulated run: a number, or an error.
 pub(super) type Physics = fn(&BTreeMap<String, String>) -> Result<f64, String>;
 
-/// Makes runs up; each lasts some polls and can be stopped.
+/// Simulates runs; each lasts some polls and can be stopped.
 pub(super) struct FakeRunner {
     pub(super) physics: Physics,
     pub(super) polls: usize,
-    /// Folders of runs in the order in which they were started, again after a stop.
+    /// Folders of runs in the order in which they were started; runs restarted after a stop occur again.
     pub(super) started: RefCell<Vec<String>>,
     pub(super) most_active: Cell<usize>,
     active: Rc<Cell<usize>>,
@@ -139,10 +139,10 @@ impl Running for FakeRun {
     }
 }
 
-/// A folder with a case and a study in it.
+/// A folder that contains a case and a study.
 pub(super) struct Desk {
     pub(super) folder: tempfile::TempDir,
-    /// A table in it of runs that need not be made.
+    /// A table in it with runs that need not be made.
     pub(super) known: Option<String>,
 }
 
@@ -168,7 +168,7 @@ impl Desk {
         crate::study::file::read(&self.path("study.toml"), &Registry::default())
     }
 
-    /// What is wrong with the study, with its cases checked.
+    /// The errors of the study, with its cases checked.
     pub(super) fn refusal(&self) -> String {
         let study = match self.read() {
             Ok(study) => study,
@@ -182,7 +182,7 @@ impl Desk {
         refused.map_or_else(|refusal| short(&refusal, self.folder.path()), |()| String::new())
     }
 
-    /// Works on the study; asked to stop gently at the given look.
+    /// Works on the study; a gentle stop is requested at the given poll.
     pub(super) fn work(&self, runner: &FakeRunner, stop_at: Option<usize>) -> Outcome {
         self.with_session(|session| {
             session.check(&session.plan.tasks).unwrap();

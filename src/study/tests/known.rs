@@ -11,7 +11,7 @@ fn falling(keys: &BTreeMap<String, String>) -> Result<f64, String> {
     Ok(9.3 - number(keys, "cohesion.bond_number") + 0.1 * number(keys, "particles.seed"))
 }
 
-/// The table of runs of a desk, written to a file of it.
+/// The table of runs of a desk, written to a file in it.
 fn kept_table(desk: &Desk) -> String {
     let tables = desk.tables();
     let end = tables.find("# title").unwrap() + 1;
@@ -19,7 +19,7 @@ fn kept_table(desk: &Desk) -> String {
     tables[..end].to_owned()
 }
 
-/// A desk with the same study that has nothing but this table.
+/// A desk with the same study that has only this table.
 fn desk_that_knows(study: &str, table: &str) -> Desk {
     let mut desk = Desk::new(study);
     std::fs::write(desk.path("known.csv"), table).unwrap();
@@ -33,7 +33,7 @@ fn what_is_left_of_a_study_is_done_from_its_table() {
     let runner = FakeRunner::new(falling);
     whole.work(&runner, None);
     let all = runner.started.borrow().len();
-    // All but the last rows: the search resumes where the table ends.
+    // All rows except the last ones: the search resumes where the table ends.
     let table = kept_table(&whole);
     let rows: Vec<&str> = table.lines().collect();
     let part = rows[..rows.len() - 3].join("\n") + "\n";

@@ -1,4 +1,4 @@
-//! Studies as a whole, with runs that are made up.
+//! Studies as a whole, with simulated runs.
 
 mod expansion;
 mod fakes;

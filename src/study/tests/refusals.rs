@@ -1,10 +1,10 @@
-//! Bad studies are refused with file, line, key, value and what is allowed.
+//! Invalid studies are rejected with file, line, key, value and the allowed values.
 
 use super::fakes::{CASE, Desk};
 
 const AXIS: &str = "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [2, 4]\n";
 
-/// Studies and what they are refused with; their lines 1 and 2 are the title and the case.
+/// Studies and the errors with which they are rejected; their lines 1 and 2 are the title and the case.
 const REFUSED: &[(&str, &str)] = &[
     ("seed = 5\n", "study.toml:3: seed = 5: unknown key: did you mean seeds?"),
     ("seeds = 0\n", "study.toml:3: seeds = 0: must be a whole number from 1 to 10000"),

@@ -1,4 +1,4 @@
-//! Files for schedulers: what they name, and that bash reads any path in them as it is.
+//! Files for schedulers: the commands in them, and the correct quoting for bash of any path in them.
 
 use super::fakes::{Desk, FakeChecker};
 use crate::study::folder::StudyFolder;
@@ -38,7 +38,7 @@ fn row_command(workflow: &Path) -> String {
     workflow["action"][0]["command"].as_str().unwrap().to_owned()
 }
 
-/// Names of folders that end a word, a text or a comment, or make a shell execute what they hold.
+/// Names of folders that end a word, a text or a comment, or make a shell execute their contents.
 const ODD: [&str; 5] = [
     "it's",
     "a \"b\"} {study}",
@@ -47,7 +47,8 @@ const ODD: [&str; 5] = [
     "\u{1b}\\",
 ];
 
-/// Makes a program that writes its arguments, one a line, and each line's end within one as `|`, into a file beside it.
+/// Makes a program that writes its arguments into a file next to it, one per line, with line breaks inside an argument
+/// as `|`.
 fn make_echo(program: &Path) {
     let script = "#!/usr/bin/env bash\nfor word in \"$@\"; do echo \"${word//$'\\n'/|}\"; done >\"$(dirname \"$0\")/words\"\n";
     fs::write(program, script).unwrap();

@@ -41,7 +41,7 @@ fn each_run_begins_with_the_end_of_the_same_seed() {
     let expected = format!("poured/runs/{began}/checkpoint-000000000001.h5");
     assert!(case.contains(&expected), "{case}");
     assert!(case.contains("begins with the end of seed=2__"), "{case}");
-    // What is complete is known again, and where the other study lies decides no result.
+    // Complete runs are recognised again, and the place of the other study does not affect any result.
     let again = FakeRunner::new(HEIGHT);
     desk.work(&again, None);
     assert_eq!(again.started.borrow().len(), 0);

@@ -1,4 +1,4 @@
-//! Studies run to their ends with made-up runs: order, stops, failures, continuation, searches, tables.
+//! Studies run to their ends with simulated runs: order, stops, failures, continuation, searches, tables.
 
 use super::fakes::{Desk, FakeRunner, number};
 use std::collections::BTreeMap;
@@ -66,9 +66,9 @@ fn a_changed_study_reuses_what_still_fits() {
     desk.write(&GRID.replace("[2, 4]", "[4, 6]").replace("seeds = 2", "seeds = 3"));
     let runner = FakeRunner::new(falling);
     desk.work(&runner, None);
-    // 2 x 2 x 3 runs, of which those with Bond number 4 and seeds 1 and 2 are there.
+    // There are 2 x 2 x 3 runs, of which those with Bond number 4 and seeds 1 and 2 exist.
     assert_eq!(runner.started.borrow().len(), 8);
-    // Without the axis of gas velocities the names are others, but 0.1 is the value of the case.
+    // Without the axis of gas velocities the names differ, but 0.1 is the value of the case.
     desk.write("[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [4, 6]\n");
     let runner = FakeRunner::new(falling);
     desk.work(&runner, None);

@@ -1,4 +1,5 @@
-//! Drag that follows from the agglomerates of particles: a glued ball that falls as a ball, and the one answer.
+//! Drag that depends on the agglomerates of particles: a glued ball that falls as a ball, and the same bits on any
+//! ranks.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, Snapshot, attraction, law};

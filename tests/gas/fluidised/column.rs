@@ -1,8 +1,8 @@
-//! The volume-averaged gas on one cell across, against the column of gas, in the vibrated bed of Moon 2006: Bo 20,
+//! The volume-averaged gas with one cell across, compared with the column gas, in the vibrated bed of Moon 2006: Bo 20,
 //! Gamma 3, f 0.16, U_s 0.016 (its Figs 6 to 8), 12 layers deep.
 //!
-//! The bed of the column is shaken on and on; each of its cycles is run again with another gas from the same particles,
-//! so that what differs is what the gas does within a cycle.
+//! The bed of the column is shaken continuously; each of its cycles is repeated with the other gas from the same
+//! particles, so that only the effect of the gas within a cycle differs.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, attraction, gas, law, shaken};

@@ -1,4 +1,4 @@
-//! Granular temperature without a source: Haff's law, drag of a gas at rest, and both.
+//! Granular temperature without a source: Haff's law, drag by a gas at rest, and both together.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, law};

@@ -1,4 +1,5 @@
-//! A uniform suspension that drifts through the cells: its gas should be uniform too, but cells have now more particles, now fewer.
+//! A uniform suspension that drifts through the cells: its gas should be uniform too, although the number of particles
+//! in a cell fluctuates.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, law};

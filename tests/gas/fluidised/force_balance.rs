@@ -1,4 +1,4 @@
-//! A fluidised bed: over time the gas carries its weight.
+//! A fluidised bed: the time-averaged force of the gas carries its weight.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, Run, law};

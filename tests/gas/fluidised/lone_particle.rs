@@ -1,4 +1,4 @@
-//! A lone sphere in cells not much larger than it: it must not see the gas that it drags along.
+//! A lone sphere in cells not much larger than it: its drag must not be affected by the gas that it drags along.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, law};

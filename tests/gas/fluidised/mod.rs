@@ -1,4 +1,4 @@
-//! Particles in the volume-averaged gas, against closed forms, and the one answer.
+//! Particles in the volume-averaged gas, compared with closed forms, and the same bits on any ranks.
 
 mod agglomerates;
 mod column;

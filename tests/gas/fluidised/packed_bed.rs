@@ -1,4 +1,4 @@
-//! A bed of spheres that do not move, against Ergun's equation.
+//! A bed of fixed spheres, compared with Ergun's equation.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, OPEN, PERIODIC, law};

@@ -1,4 +1,5 @@
-//! A bed of few cells on a plate: what its surface in the gas takes from its pressure drop, and how the voidage of finer cells gives it back.
+//! A bed of few cells on a plate: the loss of pressure drop at its surface in the gas, and its recovery with the
+//! voidage of finer cells.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, law};

@@ -1,4 +1,4 @@
-//! A particle in a vortex (MFiX's particle-vortex): its inertia throws it out of the gas that turns.
+//! A particle in a vortex (MFiX's particle-vortex): its inertia throws it out of the rotating gas.
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, law};

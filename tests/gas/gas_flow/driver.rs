@@ -1,4 +1,4 @@
-//! Runs gas alone: a box, a gas, a bed that is given as functions of place and time.
+//! Runs of gas alone: a box, a gas, and a bed given as functions of place and time.
 
 use nalgebra::Vector3;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid, WallMotion};

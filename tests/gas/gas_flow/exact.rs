@@ -1,4 +1,4 @@
-//! Flows whose answer is known to round-off, or to a known power of the spacing.
+//! Flows whose solution is known to round-off, or to a known power of the spacing.
 
 use super::driver::{FREE_SLIP, Flow, OUTLET, PERIODIC, Problem, inlet, no_slip, wall};
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Gas through beds that do not move: Ergun's pressure drop, and Darcy's law where drag is strong.
+//! Gas through fixed beds: Ergun's pressure drop, and Darcy's law for strong drag.
 
 use super::driver::{FREE_SLIP, Flow, OUTLET, PERIODIC, Problem, inlet};
 use nalgebra::Vector3;

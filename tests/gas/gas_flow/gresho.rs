@@ -1,4 +1,4 @@
-//! The vortex of Gresho (MFiX's FLD04): a gas without viscosity that turns in a circle, carried along by a uniform stream.
+//! The Gresho vortex (MFiX's FLD04): an inviscid gas that rotates in a circle, carried along by a uniform stream.
 
 use super::driver::{Flow, PERIODIC, Problem, orders};
 

@@ -1,4 +1,4 @@
-//! Numbers that know their derivatives: by place to the second, by time to the first.
+//! Numbers with their derivatives: with respect to place to second order, with respect to time to first order.
 
 use std::ops::{Add, Mul};
 

@@ -1,7 +1,8 @@
-//! Manufactured solutions: a flow is chosen, the force that it needs is given, and the flow must come out.
+//! Manufactured solutions: a flow is chosen, the force that it needs is prescribed, and the solver must reproduce the
+//! flow.
 //!
-//! Fluxes eps u are the curl of a stream function plus what balances d(eps)/dt, so that continuity needs no source.
-//! In x and z, with one cell along y.
+//! Fluxes eps u are the curl of a stream function plus a part that balances d(eps)/dt, so that continuity needs no
+//! source. The flow is in x and z, with one cell along y.
 
 use super::driver::{FREE_SLIP, Flow, PERIODIC, Problem, no_slip, orders};
 use super::source::Source;

@@ -1,4 +1,5 @@
-//! The volume-averaged gas, alone: exact answers, orders of convergence, published numbers, one answer.
+//! The volume-averaged gas alone: exact solutions, orders of convergence, published numbers, and the same bits on any
+//! ranks.
 
 mod cavity;
 mod driver;

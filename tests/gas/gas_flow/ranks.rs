@@ -1,4 +1,4 @@
-//! One answer: the same bits on any cut, and through a restart.
+//! The gas has the same bits on any decomposition, and after a restart.
 
 use super::driver::{Flow, PERIODIC, Problem, no_slip, wall};
 use nalgebra::Vector3;

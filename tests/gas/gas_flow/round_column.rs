@@ -1,4 +1,4 @@
-//! Gas in a round column, against closed forms.
+//! Gas in a round column, compared with closed forms.
 
 use super::driver::{Flow, OUTLET, PERIODIC, Problem, inlet, no_slip};
 use nalgebra::Vector3;

@@ -1,4 +1,5 @@
-//! A force in space and time that costs much to find: it is found at some instants, and polynomials are laid between.
+//! A force in space and time that is expensive to compute: it is computed at some instants, and interpolated by
+//! polynomials between them.
 
 use super::driver::Flow;
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Vortices of Taylor and Green that a uniform stream carries along: orders in space and time.
+//! Taylor-Green vortices carried along by a uniform stream: orders in space and time.
 
 use super::driver::{Flow, PERIODIC, Problem, orders};
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! The number of iterations for different contrasts, shapes of cells and sizes of the grid.
+//! The number of iterations for different contrasts, cell shapes and grid sizes.
 
 use super::equations::Equation;
 use talcum::linear_solver::Tolerance;

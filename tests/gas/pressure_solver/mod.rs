@@ -1,4 +1,4 @@
-//! The pressure solver against plain loops, closed forms, and itself on other decompositions.
+//! The pressure solver, compared with plain loops, closed forms, and itself on other decompositions.
 
 mod accuracy;
 mod convergence;

@@ -1,4 +1,4 @@
-//! A contact law from outside the crate: the same bits as a law of the registry.
+//! A contact law from outside the crate has the same bits as a law of the registry.
 
 use crate::beds::{Bench, PERIODIC, PLATE};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! The table of laws in docs/laws.md: written from the registries and the heads of the laws' files. After a change,
-//! `TALCUM_WRITE_DOCS=1 cargo test --test physics contact_laws::documentation` writes it again.
+//! The table of laws in docs/laws.md is generated from the registries and the heads of the laws' files. After a change,
+//! `TALCUM_WRITE_DOCS=1 cargo test --test physics contact_laws::documentation` regenerates it.
 
 use std::fmt::Write;
 use std::fs;

@@ -1,5 +1,5 @@
-//! The adhesive elastic-plastic law (Liu 2016) and the linear hysteretic one (Luding 2008): restitution over the speed
-//! of impact, and the speed below which spheres stick.
+//! The adhesive elastic-plastic law (Liu 2016) and the linear hysteretic law (Luding 2008): restitution as a function
+//! of the impact speed, and the speed below which spheres stick.
 
 use super::{HeadOn, Rebound};
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! The force over the overlap, point by point, and the work of closed loops: no contact makes energy.
+//! The force over the overlap, point by point, and the work of closed loops: no contact creates energy.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;

@@ -1,5 +1,5 @@
-//! A law that overrides every method of its trait answers for itself wherever forces are evaluated: through the enum of laws, in
-//! the loops over pairs and walls, where single contacts are read, and in the ledger of energies.
+//! A law that overrides every method of its trait is used with its own methods wherever forces are evaluated: through
+//! the enum of laws, in the loops over pairs and walls, where single contacts are read, and in the energy ledger.
 
 use crate::beds::{Bench, PERIODIC, PLATE, Reading};
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Contact laws, rolling friction and walls against closed forms, each with a negative control.
+//! Contact laws, rolling friction and walls, compared with closed forms, each with a negative control.
 
 mod coarse_graining;
 mod custom;

@@ -1,5 +1,5 @@
-//! Cohesive spheres stick below a speed, the clipped van der Waals force having a plateau of width delta
-//! beyond contact and a tail: F = F_max [delta / max(s, delta)]^2.
+//! Cohesive spheres stick below a speed. The clipped van der Waals force has a plateau of width delta beyond contact
+//! and a tail: F = F_max [delta / max(s, delta)]^2.
 
 use super::damping_ratio;
 use crate::beds::{Bench, OPEN, PERIODIC, attraction, law};

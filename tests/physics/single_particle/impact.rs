@@ -1,4 +1,4 @@
-//! Impacts: restitution, oblique in gross sliding and in sticking, spinning.
+//! Impacts: restitution, oblique impacts in gross sliding and in sticking, and spinning spheres.
 
 use super::damping_ratio;
 use crate::beds::{Bench, OPEN, PERIODIC, PLATE, law};

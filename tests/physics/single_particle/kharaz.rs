@@ -1,5 +1,5 @@
-//! MFiX's DEM05, oblique particle collision: the impacts of Kharaz, Gorham & Salman, Powder Technology 120 (2001) 281-291, spheres of aluminium
-//! oxide of 5 mm that meet a thick anvil at 3.9 m/s.
+//! MFiX's DEM05, oblique particle collision: the impacts of Kharaz, Gorham & Salman, Powder Technology 120 (2001)
+//! 281-291, with aluminium oxide spheres of 5 mm that meet a thick anvil at 3.9 m/s.
 
 use super::impact::rebound;
 use talcum::contact::{FrictionCap, LinearSpringDashpot};

@@ -1,5 +1,5 @@
-//! One particle and two against closed forms: MFiX DEM01 to DEM06 by name (Garg et al., Powder Technol.
-//! 220 (2012) 122), impacts, cohesion, and the gas. A negative control stands beside each.
+//! One particle and two, compared with closed forms: MFiX DEM01 to DEM06 by name (Garg et al., Powder Technol. 220
+//! (2012) 122), impacts, cohesion, and the gas. Each test has a negative control.
 
 mod cohesive_impact;
 mod drag;

@@ -1,4 +1,4 @@
-//! Softened cohesive spheres whose adhesion is scaled: they part after impacts as the stiff ones do, at the same speeds.
+//! Softened cohesive spheres with scaled adhesion separate after impacts like the stiff ones, at the same speeds.
 
 use crate::beds::{Bench, OPEN, PERIODIC, attraction, law};
 use std::f64::consts::PI;

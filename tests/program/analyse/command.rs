@@ -1,5 +1,5 @@
-//! The command: what it prints and writes, what it says of files that are missing, damaged or foreign, and that its answer
-//! does not depend on the ranks of the run.
+//! The command: its printed and written results, its messages on missing, damaged or foreign files, and their
+//! independence of the ranks of the run.
 
 use super::made::{CASE, Made};
 use crate::launch::{Ended, in_repository, talcum};

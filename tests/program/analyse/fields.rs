@@ -1,4 +1,4 @@
-//! Measures of series and profiles: waves, the bed's height, spectra, means, cycles, minimum fluidisation.
+//! Measures of series and profiles: waves, bed height, spectra, means, cycles, minimum fluidisation.
 
 use super::made::{CASE, Made, column, noise, number, reason, text};
 use std::f64::consts::{PI, TAU};

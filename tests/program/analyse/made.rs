@@ -1,4 +1,4 @@
-//! Results folders made by hand, by the writers that runs use.
+//! Results folders made by hand, with the writers that runs use.
 
 use std::path::Path;
 use talcum::analysis::Measures;

@@ -1,4 +1,4 @@
-//! `talcum analyse` on results folders that were made by hand, so that the answers are known, and on real runs.
+//! `talcum analyse` on results folders made by hand, for which the results are known, and on real runs.
 
 mod command;
 mod fields;

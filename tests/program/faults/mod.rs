@@ -1,4 +1,4 @@
-//! Disks that fail or are full, and two runs in one folder: nothing is lost, nothing hangs.
+//! Disks that fail or are full, and two runs in one folder: no data are lost, and no process hangs.
 
 mod damage;
 mod names;

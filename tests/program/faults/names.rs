@@ -1,4 +1,4 @@
-//! Folders of results of any name: what is in it is read and written, or the name is refused.
+//! Folders of results with any name: their contents are read and written, or the name is rejected.
 
 use crate::launch::{checkpoints, smoke, talcum};
 use std::ffi::OsStr;

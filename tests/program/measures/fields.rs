@@ -1,4 +1,4 @@
-//! Lines of contacts and fields on cells are read by VTK's own reader, bit by bit.
+//! Lines of contacts and fields on cells are read by VTK's own reader, bit for bit.
 
 use crate::snapshots::{check_by_vtk, head, time};
 use std::path::Path;

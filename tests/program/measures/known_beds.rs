@@ -1,4 +1,4 @@
-//! Measures of whole runs of beds that were made by hand, so that the answer is known.
+//! Measures of whole runs with beds made by hand, for which the results are known.
 
 use super::{Part, run};
 use std::collections::HashMap;

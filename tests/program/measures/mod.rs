@@ -1,4 +1,4 @@
-//! Measures of runs: their files, and that they are the same bits on any number of ranks and through any restart.
+//! Measures of runs: their files, which have the same bits on any number of ranks and after any restart.
 
 mod fields;
 mod known_beds;

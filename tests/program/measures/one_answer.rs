@@ -1,4 +1,4 @@
-//! Measuring changes no bit of a run, and what is measured is the same bits on any number of ranks and through restarts.
+//! Measuring changes no bit of a run, and measures have the same bits on any number of ranks and after restarts.
 
 use super::{Part, assert_same, case, contents, remove_newest_checkpoint, run};
 use crate::launch::{in_repository, talcum};

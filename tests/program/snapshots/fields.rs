@@ -1,4 +1,4 @@
-//! What snapshots show on request, beside the series and on several ranks.
+//! Optional columns of snapshots, compared with the series and on several ranks.
 
 use crate::launch::{smoke, talcum};
 use std::path::Path;

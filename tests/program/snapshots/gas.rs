@@ -1,4 +1,4 @@
-//! The file of the gas.
+//! The file of gas snapshots.
 
 use super::{check_by_vtk, head, time};
 use nalgebra::Vector3;

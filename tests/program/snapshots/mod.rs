@@ -1,4 +1,4 @@
-//! Snapshots are read by VTK's own reader, bit by bit, whatever the number of ranks.
+//! Snapshots are read by VTK's own reader, bit for bit, for any number of ranks.
 
 mod fields;
 mod gas;

@@ -1,4 +1,4 @@
-//! The file of particles.
+//! The file of particle snapshots.
 
 use std::path::Path;
 

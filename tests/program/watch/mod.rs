@@ -1,4 +1,4 @@
-//! `talcum watch` on folders that were made by hand, and on a real run.
+//! `talcum watch` on folders made by hand, and on a real run.
 
 mod page;
 mod report;

@@ -1,4 +1,4 @@
-//! `talcum watch --serve`: a page and its documents over HTTP, for this machine alone, read only, of a run in progress.
+//! `talcum watch --serve`: a read-only page and its documents over HTTP, only for this machine, of a run in progress.
 
 use super::made;
 use crate::analyse::made::CASE;

@@ -1,4 +1,5 @@
-//! Without a terminal `talcum watch` prints one report and ends; what it cannot show is an error that names it.
+//! Without a terminal `talcum watch` prints one report and ends; anything that it cannot show is an error that names
+//! it.
 
 use super::made;
 use crate::launch::{smoke, start, talcum};

@@ -1,4 +1,4 @@
-//! `talcum watch` in a terminal ends when the terminal goes away, and at every signal that asks for it.
+//! `talcum watch` in a terminal ends when the terminal goes away, and at every signal that requests it.
 
 use super::made;
 use crate::analyse::made::Made;

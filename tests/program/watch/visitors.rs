@@ -1,4 +1,4 @@
-//! The server of the page outlives visitors who are silent, many, or send without end. Loopback only.
+//! The server of the page tolerates visitors who are silent, many, or send without end. Loopback only.
 
 use super::made;
 use super::page::{Served, served_by};

@@ -1,4 +1,4 @@
-//! Circles of imports inside a folder: files of one folder, or the folders in it, that know each other.
+//! Circles of imports inside a folder: files of one folder, or its subfolders, that import each other.
 
 use super::source::{leaves, module_of, paths_into_the_crate, tokens};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,5 +1,5 @@
-//! Who may know whom: every path into the crate, in every file of src, against the table that ARCHITECTURE.md shows;
-//! and no circles of imports inside a folder. Comments, texts and test modules do not count.
+//! Permitted imports: every path into the crate, in every file of src, is compared with the table in ARCHITECTURE.md;
+//! and there are no circles of imports inside a folder. Comments, texts and test modules do not count.
 
 mod circles;
 mod source;

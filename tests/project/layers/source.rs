@@ -1,4 +1,4 @@
-//! Rust sources as the layers see them: which paths into the crate a file names.
+//! Rust sources as used for the layers: the paths into the crate that a file names.
 
 use std::fs;
 use std::path::{Path, PathBuf};

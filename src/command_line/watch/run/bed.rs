@@ -1,4 +1,4 @@
-//! The bed as it is seen from the side: particles of the newest snapshot, or else of the newest checkpoint.
+//! Side view of the bed: particles of the newest snapshot, or else of the newest checkpoint.
 
 use crate::output::OutputError;
 use crate::output::checkpoint;
@@ -6,14 +6,14 @@ use crate::output::readers::ParticleSnapshotReader;
 use crate::parallel::OneRank;
 use std::path::Path;
 
-/// Particles that are kept: those in front, which hide the others.
+/// Number of particles that are kept: those in front, which hide the others.
 const KEPT: usize = 20_000;
-/// More particles than that are not read: they would need gigabytes.
+/// Largest number of particles that are read: more would need gigabytes.
 const MOST_READ: u64 = 20_000_000;
-/// Nor are larger checkpoints.
+/// Largest size of a checkpoint that is read; bytes.
 const MOST_BYTES: u64 = 8 << 30;
 
-/// A particle as the eye sees it.
+/// A particle in the side view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) struct SeenParticle {
     pub(in super::super) position: [f64; 3],
@@ -25,9 +25,9 @@ pub(in super::super) struct SeenParticle {
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Bed {
     pub(in super::super) time: f64,
-    /// Particles in the file.
+    /// Number of particles in the file.
     pub(in super::super) count: usize,
-    /// Particles in front, from the back to the front; the eye looks along y.
+    /// Particles in front, from back to front; the view is along y.
     pub(in super::super) seen: Vec<SeenParticle>,
 }
 
@@ -46,7 +46,7 @@ impl Bed {
     /// The newest snapshot of a file.
     ///
     /// # Errors
-    /// If it cannot be read, or holds too many particles.
+    /// If it cannot be read, or contains too many particles.
     pub(super) fn of_snapshots(path: &Path) -> Result<Self, OutputError> {
         let wrong = |message: String| OutputError { path: path.to_owned(), message };
         let snapshots = ParticleSnapshotReader::open(path)?;
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     fn row_of(count: usize) -> Bed {
-        // Scattered by a step that is no divisor of the count.
+        // The depths are scattered by a step that does not divide the count.
         let depths = (0..count).map(|n| ((n * 7_919) % count) as f64);
         Bed::new(1.0, depths.map(|y| seen([0.0, y, 0.0], &[3.0, 0.0, 4.0], 0.5)).collect())
     }

@@ -1,17 +1,17 @@
-//! Files that grow while they are read.
+//! Reading of files that grow at the same time.
 
 use super::listing::Version;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Rest between two readings of a file, over the time that one takes: however long the run, who watches it needs no more
-/// than a twentieth of a core.
+/// Pause between two readings of a file, relative to the duration of one: for any length of the run, reading takes at
+/// most a twentieth of a core.
 const REST: u32 = 20;
-/// Readings that may fail one after another before a warning: the run may be in the middle of a write.
+/// Number of successive readings that may fail before a warning: the run may be in the middle of a write.
 const FORGIVEN: u32 = 3;
 
-/// The newest good reading of a file. One that fails leaves that before it in place.
+/// The newest good reading of a file. A failed reading leaves the previous one in place.
 #[derive(Debug)]
 pub(super) struct Latest<T> {
     read: Option<(PathBuf, Version)>,
@@ -60,12 +60,13 @@ impl<T> Latest<T> {
         self.value.as_ref()
     }
 
-    /// What was read last, with which content of the file.
+    /// The last reading, with the version of the file.
     pub(super) fn read(&self) -> Option<(&T, Version)> {
         Some((self.value.as_ref()?, self.read.as_ref()?.1))
     }
 
-    /// Why the file cannot be read: at once if it never could, else after some attempts.
+    /// The reason why the file cannot be read: reported at once if it never could be read, otherwise after some
+    /// attempts.
     pub(super) fn complaint(&self) -> Option<&str> {
         let limit = if self.value.is_some() { FORGIVEN } else { 1 };
         (self.failures >= limit).then_some(self.error.as_str())
@@ -81,7 +82,7 @@ mod tests {
 
     fn look(latest: &mut Latest<u32>, path: &Path) -> Option<u32> {
         let version = Listing::of(path.parent().unwrap()).unwrap().version("number");
-        // A reading of some microseconds asks for a rest of some more.
+        // A reading of some microseconds requires a pause of some more.
         std::thread::sleep(Duration::from_millis(20));
         latest.renew(version.map(|version| (path.to_owned(), version)), |path| {
             fs::read_to_string(path).unwrap().parse::<u32>()

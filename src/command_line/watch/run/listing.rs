@@ -1,4 +1,4 @@
-//! What lies in a folder of results, and when it was written.
+//! Contents of a folder of results, with the times at which they were written.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Tells two contents of a growing file apart.
+/// Identifies a version of a growing file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) struct Version {
     length: u64,
@@ -37,12 +37,12 @@ impl Listing {
     /// Lists a folder.
     ///
     /// # Errors
-    /// If it is not there or is no folder.
+    /// If it does not exist or is not a folder.
     pub(super) fn of(folder: &Path) -> io::Result<Self> {
         let mut files = BTreeMap::new();
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;
-            // A file that is removed between the two calls is not there.
+            // A file that is removed between the two calls is treated as absent.
             let version = entry.metadata().and_then(|metadata| Version::of(&metadata));
             if let (Ok(name), Ok(version)) = (entry.file_name().into_string(), version) {
                 files.insert(name, version);
@@ -59,12 +59,12 @@ impl Listing {
         self.files.contains_key(name)
     }
 
-    /// Whether a run may still begin here: nothing of anybody else lies there.
+    /// Whether a run may still begin here: the folder contains no foreign files.
     pub(super) fn is_unused(&self) -> bool {
         self.files.keys().all(|name| name == "running" || name.starts_with('.'))
     }
 
-    /// When the run wrote last; `None` before it has.
+    /// Time at which the run last wrote; `None` if it has not written yet.
     pub(super) fn last_write(&self) -> Option<SystemTime> {
         let by_run = self.files.iter().filter(|(name, _)| is_written_by_runs(name));
         by_run.map(|(_, version)| version.modified).max()
@@ -83,7 +83,7 @@ impl Listing {
     }
 }
 
-/// Results of a run; others, such as drawings and analysis.h5, come from those who read them.
+/// Whether a file is written by runs; others, such as drawings and analysis.h5, come from users.
 fn is_written_by_runs(name: &str) -> bool {
     let endings = [".csv", ".h5", ".vtkhdf", ".partial"];
     name != "analysis.h5" && endings.iter().any(|end| name.ends_with(end))

@@ -1,4 +1,4 @@
-//! A run as its folder of results shows it, read again and again while the run writes.
+//! A run as shown by its folder of results, which is read repeatedly while the run writes.
 
 mod bed;
 mod latest;
@@ -24,15 +24,16 @@ use anyhow::{anyhow, bail};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-/// Silence after which a run is called quiet if nothing is known of its pace.
+/// Time without output after which a run counts as quiet if nothing is known of its pace.
 const PATIENCE: Duration = Duration::from_secs(600);
-/// The least such silence, and how many rows may be late if the pace is known.
+/// The least such time, and the number of rows that may be late if the pace is known.
 const LEAST_PATIENCE: Duration = Duration::from_secs(60);
 const LATE_ROWS: f64 = 10.0;
-/// A run writes its case at every start. One that was never resumed has a file that is no older than its content.
+/// Tolerance for the age of a file: a run writes its case at every start, and the file of a run that was never resumed
+/// is no older than its contents.
 const ONE_START: Duration = Duration::from_secs(2);
 
-/// What is read from a folder of results, as far as somebody asks for it.
+/// Data of a folder of results, read as far as they are requested.
 pub(super) struct WatchedRun {
     folder: PathBuf,
     listing: Listing,
@@ -45,10 +46,10 @@ pub(super) struct WatchedRun {
 }
 
 impl WatchedRun {
-    /// Looks at a folder for the first time.
+    /// Reads a folder for the first time.
     ///
     /// # Errors
-    /// If there is no such folder, or other things than results lie in it.
+    /// If there is no such folder, or it contains other things than results.
     pub(super) fn open(folder: &Path) -> anyhow::Result<Self> {
         let listing = Listing::of(folder).map_err(|error| {
             anyhow!("{}: {error}; name the folder of results of a run", folder.display())
@@ -66,9 +67,9 @@ impl WatchedRun {
         Ok(run)
     }
 
-    /// Looks again: at the marks, the case and the series.
+    /// Reads again the marks, the case and the series.
     pub(super) fn renew(&mut self) {
-        // A folder that is gone is as one in which nothing has been written.
+        // A folder that no longer exists is treated like one in which nothing has been written.
         self.listing = Listing::of(&self.folder).unwrap_or_default();
         let (case, series) = (self.file("case.toml"), self.file("series.csv"));
         let folder = &self.folder;
@@ -88,7 +89,8 @@ impl WatchedRun {
     fn renew_marks(&mut self, has_grown: bool) {
         let marks = Marks::read(&self.folder);
         let is_unlocked = marks.holder.is_none();
-        // Twice without a lock: between two checks a run may write its last row and unlock the folder.
+        // The condition must hold twice without a lock: between two checks a run may write its last row and unlock the
+        // folder.
         let grows = is_unlocked
             && (self.marks.grows_without_lock || self.marks.holder.is_none() && has_grown);
         let last_write = self.listing.last_write();
@@ -110,7 +112,7 @@ impl WatchedRun {
         }
     }
 
-    /// When the first row was written, nearly; `None` if the run was resumed since.
+    /// Approximate time at which the first row was written; `None` if the run was resumed since.
     fn begin(&self) -> Option<SystemTime> {
         let metadata = std::fs::metadata(self.folder.join("case.toml")).ok()?;
         let (created, modified) = (metadata.created().ok()?, metadata.modified().ok()?);
@@ -123,19 +125,19 @@ impl WatchedRun {
         self.series.value()
     }
 
-    /// Which content of series.csv was read.
+    /// The version of series.csv that was read.
     pub(super) fn series_version(&self) -> Option<Version> {
         self.series.read().map(|(_, version)| version)
     }
 
-    /// The profiles, read if they have changed, and which content of the file they are.
+    /// The profiles, read again if they have changed, and the version of their file.
     pub(super) fn profiles(&mut self) -> Option<(&ProfileTable, Version)> {
         let file = self.file("profiles.h5");
         self.profiles.renew(file, ProfileTable::read);
         self.profiles.read()
     }
 
-    /// The particles, read if they have changed, and which content of the file they are.
+    /// The particles, read again if they have changed, and the version of their file.
     pub(super) fn bed(&mut self) -> Option<(&Bed, Version)> {
         let file = self.bed_file();
         self.bed.renew(file, |path| {
@@ -152,7 +154,7 @@ impl WatchedRun {
         self.file("particles.vtkhdf").or_else(checkpoint)
     }
 
-    /// Which content series, profiles and bed have now; `None` if there is no such file.
+    /// Present versions of series, profiles and bed; `None` if there is no such file.
     pub(super) fn versions(&self) -> [Option<Version>; 3] {
         [
             self.listing.version("series.csv"),
@@ -166,7 +168,7 @@ impl WatchedRun {
         self.case.value().map(|case| case.domain.bounds.lengths().into())
     }
 
-    /// The run at a glance.
+    /// The overview of the run.
     pub(super) fn overview(&self) -> Overview {
         let folder = self.folder.display().to_string();
         let unit = |series: &SeriesTable| Some(series.columns[series.position("time")?].1.clone());
@@ -216,7 +218,7 @@ impl WatchedRun {
         complaints.into_iter().flatten().chain(set_aside).chain(of_series).collect()
     }
 
-    /// A file of the folder, if it is there.
+    /// A file of the folder, if it exists.
     fn file(&self, name: &str) -> Option<(PathBuf, Version)> {
         Some((self.folder.join(name), self.listing.version(name)?))
     }
@@ -244,7 +246,7 @@ mod tests {
     use super::*;
     use std::io::Write;
 
-    /// A row more, and a check. A reading of some microseconds asks for a rest of some more.
+    /// Adds a row and checks. A reading of some microseconds requires a pause of some more.
     fn look_after(run: &mut WatchedRun, text: &str) -> Overview {
         std::thread::sleep(Duration::from_millis(20));
         let file = std::fs::File::options().append(true).open(run.folder.join("series.csv"));
@@ -269,7 +271,7 @@ mod tests {
         let growing = look_after(&mut run, "5\n");
         assert_eq!((growing.state.word(), growing.time), ("running", Some(0.5)));
         assert!(look_after(&mut run, "1\n").rate.is_some_and(|rate| rate > 0.0));
-        // The mark of completion ends it, and with it the pace.
+        // The mark of completion ends the run, and with it the pace.
         std::fs::write(run.folder.join("complete"), "digest 12\n").unwrap();
         assert_eq!(look_after(&mut run, "").state.word(), "complete");
         assert_eq!(run.overview().pace_text(), None);
@@ -281,7 +283,7 @@ mod tests {
         let overview = run.overview();
         assert_eq!((overview.title.as_str(), overview.end), ("A bed", None));
         assert!(overview.warnings[0].contains("does not accept the case"), "{overview:?}");
-        // A folder that goes away is like one in which nothing has been written.
+        // A folder that disappears is treated like one in which nothing has been written.
         let mut run = run;
         drop(folder);
         run.renew();

@@ -1,11 +1,11 @@
-//! A run at a glance.
+//! Overview of a run.
 
 use super::state::RunState;
 use crate::case::Case;
 use crate::command_line::progress::readable;
 use crate::command_line::report::six_digits;
 
-/// How far a run is, and how it fares.
+/// Progress and state of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Overview {
     pub(in super::super) folder: String,
@@ -13,7 +13,7 @@ pub(in super::super) struct Overview {
     pub(in super::super) state: RunState,
     /// Time of the newest row.
     pub(in super::super) time: Option<f64>,
-    /// When the case ends.
+    /// Time at which the case ends.
     pub(in super::super) end: Option<f64>,
     pub(in super::super) time_unit: String,
     /// The stage of that time, and the length of its steps.
@@ -24,7 +24,7 @@ pub(in super::super) struct Overview {
 }
 
 impl Overview {
-    /// Adds what the case says.
+    /// Adds the data of the case.
     pub(super) fn with_case(mut self, case: &Case) -> Self {
         self.title = case.title.clone();
         self.end = Some(case.end_time());
@@ -35,7 +35,7 @@ impl Overview {
         self
     }
 
-    /// Part of the run that is done, 0 to 1.
+    /// Fraction of the run that is done, 0 to 1.
     pub(in super::super) fn part_done(&self) -> Option<f64> {
         let (time, end) = (self.time?, self.end?);
         (end > 0.0).then(|| (time / end).clamp(0.0, 1.0))
@@ -47,7 +47,7 @@ impl Overview {
         Some((self.end? - self.time?).max(0.0) / rate)
     }
 
-    /// `time 12.5 of 60 sqrt(d/g), 21 %`.
+    /// A text such as `time 12.5 of 60 sqrt(d/g), 21 %`.
     pub(in super::super) fn progress_text(&self) -> String {
         let Some(time) = self.time.map(six_digits) else { return "no results yet".to_owned() };
         let unit = &self.time_unit;
@@ -58,7 +58,8 @@ impl Overview {
         }
     }
 
-    /// `1200 steps/s, 36 sqrt(d/g) per minute, 45 s left`; `None` while it is not known, and after the end.
+    /// A text such as `1200 steps/s, 36 sqrt(d/g) per minute, 45 s left`; `None` while it is not known, and after the
+    /// end.
     pub(in super::super) fn pace_text(&self) -> Option<String> {
         let rate = self.rate.filter(|_| self.state.is_active())?;
         let steps =
@@ -74,7 +75,7 @@ impl Overview {
     }
 }
 
-/// A number to be read: three digits and more if it is large.
+/// A number in readable form: three digits, or more if it is large.
 pub(in super::super) fn brief(number: f64) -> String {
     match number.abs() {
         0.0 => "0".to_owned(),

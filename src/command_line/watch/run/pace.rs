@@ -1,19 +1,19 @@
-//! How fast a run gets on, from the growth of its files.
+//! Pace of a run, from the growth of its files.
 
 use std::collections::VecDeque;
 use std::time::SystemTime;
 
-/// Rows over which the mean is taken.
+/// Number of rows over which the mean is taken.
 const SAMPLES: usize = 60;
 
-/// When the run had reached which time, as seen so far.
+/// The times that the run has reached, with the times of observation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pace {
     samples: VecDeque<(SystemTime, f64)>,
 }
 
 impl Pace {
-    /// Notes that the run had reached a time. An earlier time shows that it started again.
+    /// Records that the run had reached a time. An earlier time means that it has started again.
     pub(super) fn note(&mut self, at: SystemTime, time: f64) {
         if self.samples.back().is_some_and(|&(_, last)| time < last) {
             self.samples.clear();
@@ -26,17 +26,17 @@ impl Pace {
         }
     }
 
-    /// Whether nothing has been noted.
+    /// Whether nothing has been recorded.
     pub(super) fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }
 
-    /// Forgets: the run has stopped, and a pause says nothing of its speed.
+    /// Clears the records: the run has stopped, and a pause tells nothing about its speed.
     pub(super) fn forget(&mut self) {
         self.samples.clear();
     }
 
-    /// Simulated time per second; `None` until there was growth.
+    /// Simulated time per second; `None` until there has been growth.
     pub(super) fn rate(&self) -> Option<f64> {
         let (first, last) = (self.samples.front()?, self.samples.back()?);
         let seconds = last.0.duration_since(first.0).ok()?.as_secs_f64();
@@ -60,7 +60,7 @@ mod tests {
         assert_eq!(pace.rate(), None);
         pace.note(at(104), 3.0);
         assert_eq!(pace.rate(), Some(0.5));
-        // The same row once more is no growth.
+        // A repeated row is not growth.
         pace.note(at(200), 3.0);
         assert_eq!(pace.rate(), Some(0.5));
     }

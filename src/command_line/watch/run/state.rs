@@ -1,38 +1,38 @@
-//! Whether a run is in progress.
+//! State of a run.
 
 use crate::command_line::progress::readable;
 use crate::output::{lock, read_text};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// A process that has gone may have written this shortly before.
+/// Age of a file up to which a process that has ended may have written it.
 const JUST_NOW: Duration = Duration::from_secs(5);
 
-/// What a run is doing.
+/// State of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in super::super) enum RunState {
     /// It has not written anything yet.
     Waiting,
     /// It is in progress.
     Running {
-        /// Who runs, if it is known.
+        /// The holder of the lock, if it is known.
         holder: Option<String>,
     },
-    /// It seems to be in progress, but has not written for long.
+    /// It seems to be in progress, but has not written for a long time.
     Quiet {
-        /// Who runs, if it is known.
+        /// The holder of the lock, if it is known.
         holder: Option<String>,
-        /// How long ago it wrote last.
+        /// Time since it last wrote.
         silence: Duration,
     },
     /// It was stopped before its end.
     Stopped,
-    /// It has died: its lock is there, but not its process.
+    /// It has died: its lock exists, but its process does not.
     Died {
-        /// Who ran.
+        /// The holder of the lock.
         holder: String,
     },
-    /// It came to the end that it was asked for.
+    /// It came to its requested end.
     Complete {
         /// Digest of the last state.
         digest: String,
@@ -40,7 +40,7 @@ pub(in super::super) enum RunState {
 }
 
 impl RunState {
-    /// One word, by which the page knows it.
+    /// One word, by which the page identifies it.
     pub(in super::super) fn word(&self) -> &'static str {
         match self {
             Self::Waiting => "waiting",
@@ -52,7 +52,7 @@ impl RunState {
         }
     }
 
-    /// What is said of it to the user.
+    /// Its description for the user.
     pub(in super::super) fn text(&self) -> String {
         let name = |holder: &Option<String>| match holder {
             Some(holder) => format!(": {holder}"),
@@ -75,30 +75,30 @@ impl RunState {
         }
     }
 
-    /// Whether rows are still to be expected.
+    /// Whether further rows are expected.
     pub(in super::super) fn is_active(&self) -> bool {
         matches!(self, Self::Running { .. } | Self::Quiet { .. })
     }
 }
 
-/// What shows the state of a run.
+/// Marks that show the state of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Marks {
     /// The digest in the mark of completion.
     pub(super) complete: Option<String>,
-    /// What the lock says of who runs.
+    /// The holder named in the lock.
     pub(super) holder: Option<String>,
-    /// Whether that process still exists, if it can be found out from here.
+    /// Whether that process still exists, if this can be determined from here.
     pub(super) is_alive: Option<bool>,
-    /// Files have grown although there is no lock: the file system has none.
+    /// Whether files have grown without a lock, because the file system has none.
     pub(super) grows_without_lock: bool,
-    /// When the run wrote last.
+    /// Time at which the run last wrote.
     pub(super) last_write: Option<SystemTime>,
 }
 
 impl Marks {
-    /// Reads the marks of completion and of the lock. The lock itself is not touched: a run that begins at this instant
-    /// must not find it taken.
+    /// Reads the marks of completion and of the lock. The lock itself is not taken: a run that begins at this instant
+    /// must find it free.
     pub(super) fn read(folder: &Path) -> Self {
         let mark = read_text(&folder.join("complete")).ok();
         let digest = |line: &str| Some(line.strip_prefix("digest ")?.trim().to_owned());
@@ -112,7 +112,7 @@ impl Marks {
         }
     }
 
-    /// The state at an instant; a run that has not written for longer than `patience` is called quiet.
+    /// The state at an instant; a run that has not written for longer than `patience` counts as quiet.
     pub(super) fn state(&self, now: SystemTime, patience: Duration) -> RunState {
         if let Some(digest) = &self.complete {
             return RunState::Complete { digest: digest.clone() };
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(word(&Marks { last_write: None, ..locked.clone() }), "running");
         assert_eq!(word(&Marks { last_write: Some(at(900)), ..locked.clone() }), "quiet");
         assert_eq!(word(&Marks { is_alive: Some(false), ..locked.clone() }), "died");
-        // On another host nobody can say; a file that was written a moment ago needs a process.
+        // This cannot be determined on another host; but a file that has just been written needs a process.
         assert_eq!(word(&Marks { is_alive: None, ..locked.clone() }), "running");
         let moment_ago =
             Marks { is_alive: Some(false), last_write: Some(at(998)), ..locked.clone() };

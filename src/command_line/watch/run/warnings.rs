@@ -1,8 +1,8 @@
-//! What in the results of a run deserves a warning.
+//! Warnings about the results of a run.
 
 use crate::output::readers::SeriesTable;
 
-/// Errors of balances are of the size of rounding, 1e-16 to 1e-9, in a sound run.
+/// Errors of balances, which are of the size of rounding, 1e-16 to 1e-9, in a sound run.
 const BALANCES: [&str; 3] = ["momentum_error", "mass_error", "exchange_error"];
 const LARGEST_ERROR: f64 = 1.0e-6;
 
@@ -16,7 +16,7 @@ pub(super) fn of_series(series: &SeriesTable) -> Vec<String> {
     warnings
 }
 
-/// Cells in which the drag was computed with more gas than there is.
+/// A warning about cells in which the drag was computed with more gas than there is.
 fn raised_cells(series: &SeriesTable) -> Option<String> {
     let counts = series.column("raised_cells")?;
     let rows = counts.iter().filter(|&&count| count > 0.0).count();
@@ -45,7 +45,7 @@ fn balance(series: &SeriesTable, name: &str) -> Option<String> {
     })
 }
 
-/// Columns whose newest number is none.
+/// Columns whose last value is not a number.
 fn undefined(series: &SeriesTable) -> Option<String> {
     let last = series.rows.last()?;
     let named = series.columns.iter().zip(last).filter(|(_, value)| !value.is_finite());

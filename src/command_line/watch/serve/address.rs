@@ -1,13 +1,13 @@
-//! Where the page is served, and who may ask for it.
+//! Address at which the page is served, and the permitted hosts.
 
 use crate::output::lock::host_name;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::str::FromStr;
 
-/// The place of the page if none is named.
+/// The default address of the page.
 pub(in super::super) const DEFAULT: &str = "127.0.0.1:8017";
 
-/// An address with a port, on this machine alone by default.
+/// An address with a port, by default on this machine only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) struct Address(pub(super) SocketAddr);
 
@@ -24,8 +24,8 @@ impl FromStr for Address {
     }
 }
 
-/// Whether a request was made for this server by a name that is its own. A page of somebody else can have its own name
-/// lead to this machine and so read what only this machine may; but its requests then bear that name.
+/// Whether a request was made to this server under one of its own names. A foreign page may let its own name lead to
+/// this machine and so read data that only this machine may read; but its requests then carry that name.
 pub(super) fn is_own_host(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.bytes().all(|digit| digit.is_ascii_digit()) => name,

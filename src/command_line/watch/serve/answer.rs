@@ -1,4 +1,4 @@
-//! What is answered to which request. No part of a request names a file.
+//! Answers to requests. No part of a request names a file.
 
 use super::address::is_own_host;
 use super::documents;
@@ -25,7 +25,7 @@ impl Answer {
     }
 }
 
-/// A run, and what of it is shown.
+/// A run, and the columns that are displayed.
 pub(super) struct Site {
     pub(super) run: WatchedRun,
     pub(super) columns: Vec<String>,
@@ -117,7 +117,7 @@ mod tests {
             (&series["chosen"][0], &series["version"]),
             (&"bed_top".into(), &state["versions"]["series"])
         );
-        // The last line is finished, another begun; a reading asks for a rest of some microseconds.
+        // The last line is finished, and another begun; a reading requires a pause of some microseconds.
         std::thread::sleep(std::time::Duration::from_millis(20));
         fs::write(folder.path().join("series.csv"), format!("{ROWS}.5\n3,")).unwrap();
         assert_eq!(document(&mut site, "/state.json")["time"], 2.0);

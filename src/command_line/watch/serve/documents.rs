@@ -1,4 +1,4 @@
-//! What the page asks for, as JSON. Numbers are rounded to what a screen shows.
+//! Documents requested by the page, as JSON. Numbers are rounded to the resolution of a screen.
 
 use crate::command_line::report::six_digits;
 use crate::command_line::watch::columns::{self, Curve};
@@ -7,13 +7,13 @@ use crate::command_line::watch::thinning::{parts, thin};
 use crate::output::readers::ProfileTable;
 use serde_json::{Value, json};
 
-/// Points of a curve that a screen can show.
+/// Largest number of points of a curve that a screen can show.
 const POINTS: usize = 1_000;
-/// Times and heights of the profiles, likewise.
+/// Largest numbers of times and heights of the profiles, likewise.
 const TIMES: usize = 500;
 const HEIGHTS: usize = 250;
 
-/// How far the run is, and which contents the other documents have now.
+/// Progress of the run, and the present versions of the other documents.
 pub(super) fn state(run: &WatchedRun) -> Value {
     let overview = run.overview();
     let [series, profile, bed] = run.versions().map(text);
@@ -34,7 +34,7 @@ pub(super) fn state(run: &WatchedRun) -> Value {
     })
 }
 
-/// All columns of series.csv over time, and which are to be drawn.
+/// All columns of series.csv over time, and those to be drawn.
 pub(super) fn series(run: &WatchedRun, wanted: &[String]) -> Value {
     let Some(series) = run.series() else { return Value::Null };
     let chosen = columns::chosen(wanted, series);
@@ -54,7 +54,7 @@ fn curve(curve: &Curve) -> Value {
     json!({ "name": curve.name, "title": curve.title(), "times": times, "values": values })
 }
 
-/// The solids fraction over height and time; means over parts that a screen cannot tell apart.
+/// The solids fraction over height and time, averaged over parts that a screen cannot resolve.
 pub(super) fn profile(run: &mut WatchedRun) -> Value {
     let Some((table, version)) = run.profiles() else { return Value::Null };
     let times: Vec<f64> =
@@ -71,7 +71,7 @@ pub(super) fn profile(run: &mut WatchedRun) -> Value {
     })
 }
 
-/// Means of the solids fraction, a row for each part of the times.
+/// Means of the solids fraction, one row for each part of the times.
 fn fractions(table: &ProfileTable) -> Vec<Vec<f64>> {
     let mean = |times: &std::ops::Range<usize>, heights: std::ops::Range<usize>| {
         let count = (times.len() * heights.len()).max(1) as f64;
@@ -84,7 +84,7 @@ fn fractions(table: &ProfileTable) -> Vec<Vec<f64>> {
     parts(table.times.len(), TIMES).map(row).collect()
 }
 
-/// The particles in front, from the back to the front.
+/// The particles in front, from back to front.
 pub(super) fn bed(run: &mut WatchedRun) -> Value {
     let lengths = run.box_lengths();
     let Some((bed, version)) = run.bed() else { return Value::Null };

@@ -6,16 +6,17 @@ use std::net::{Shutdown, TcpStream};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The time for a request: browsers send it at once.
+/// Time limit for a request: browsers send it at once.
 const TIME_TO_ASK: Duration = Duration::from_secs(2);
-/// The time to take an answer, some megabytes at most.
+/// Time limit for sending an answer, some megabytes at most.
 const TIME_TO_READ: Duration = Duration::from_secs(30);
-/// What is left of a request, its body, is read for so long at most, and thrown away.
+/// Longest time for which the rest of a request, its body, is read and discarded.
 const TIME_TO_LEAVE: Duration = Duration::from_secs(1);
-/// Bytes of a request without its body, ten times what browsers send, and lines in it.
+/// Largest number of bytes of a request without its body, ten times what browsers send, and largest number of its
+/// lines.
 const MOST_BYTES: usize = 16 << 10;
 const MOST_LINES: usize = 100;
-/// The page takes scripts and data from here alone, and belongs into nobody's frame.
+/// Headers: the page takes scripts and data only from here, and must not be embedded in a frame.
 const HEADERS: [(&str, &str); 5] = [
     (
         "Content-Security-Policy",
@@ -28,7 +29,7 @@ const HEADERS: [(&str, &str); 5] = [
     ("Cache-Control", "no-store"),
 ];
 
-/// Reads a request and answers it. Who has gone misses nothing.
+/// Reads a request and answers it. Visitors who have gone are ignored.
 pub(super) fn exchange(visitor: &TcpStream, site: &Mutex<Site>) {
     let answer = match read_head(visitor) {
         Ok(head) => answer_to(&head, site),
@@ -40,18 +41,18 @@ pub(super) fn exchange(visitor: &TcpStream, site: &Mutex<Site>) {
     }
 }
 
-/// Turns a visitor away, at once.
+/// Rejects a visitor immediately.
 pub(super) fn busy(visitor: &TcpStream) {
-    // What fits into the buffers of a new connection does not wait.
+    // Data that fit into the buffers of a new connection do not wait.
     let answer = Answer::text(503, "too many connections: try again");
     let _ = visitor.set_nonblocking(true).and_then(|()| send(visitor, &answer));
 }
 
-/// Why a request is not answered.
+/// Reason why a request is not answered.
 enum Refusal {
-    /// With this status and reason.
+    /// An answer with this status and reason.
     Answer(u16, &'static str),
-    /// The visitor has said nothing, or has gone.
+    /// The visitor has sent nothing, or has gone.
     Silence,
 }
 
@@ -90,12 +91,12 @@ fn is_whole(head: &[u8]) -> Result<bool, Refusal> {
 fn answer_to(head: &[u8], site: &Mutex<Site>) -> Answer {
     let mut lines = [httparse::EMPTY_HEADER; MOST_LINES];
     let mut request = httparse::Request::new(&mut lines);
-    // It has been parsed before.
+    // It has already been parsed.
     let _ = request.parse(head);
     let host = request.headers.iter().find(|line| line.name.eq_ignore_ascii_case("Host"));
     let host = host.and_then(|line| std::str::from_utf8(line.value).ok());
     let (method, path) = (request.method.unwrap_or_default(), request.path.unwrap_or_default());
-    // What a thread that panicked has read is read again if the file has changed.
+    // Data read by a thread that panicked are read again if the file has changed.
     site.lock().unwrap_or_else(PoisonError::into_inner).answer(method, path, host)
 }
 
@@ -115,7 +116,7 @@ fn send(mut visitor: &TcpStream, answer: &Answer) -> io::Result<()> {
     Ok(())
 }
 
-/// An answer as HTTP has it.
+/// An answer in the form of HTTP.
 fn text_of(answer: &Answer) -> String {
     let Answer { status, kind, body } = answer;
     let mut text = format!("HTTP/1.1 {status} {}\r\n", reason_of(*status));
@@ -140,8 +141,8 @@ fn reason_of(status: u16) -> &'static str {
     }
 }
 
-/// Ends a connection. A request that is not read to its end when the connection is closed takes the answer away from the
-/// visitor, so that some of it is read and thrown away.
+/// Ends a connection. If a request has not been read to its end when the connection is closed, the visitor loses the
+/// answer, so the rest is read and discarded.
 fn leave(mut visitor: &TcpStream) {
     let end = Instant::now() + TIME_TO_LEAVE;
     let mut piece = [0; 4096];

@@ -1,8 +1,8 @@
-//! The run as a page in the browser: a small server of one page and the documents that it asks for.
+//! The run as a page in the browser: a small server for one page and the documents that it requests.
 //!
-//! It reads only. Each connection has a thread of its own and brings one request, so that nobody who is slow keeps the
-//! others waiting; the files are read for one request after another. How many connections there are, how long each may
-//! take and what it may send are limited: the server outlives its visitors.
+//! It only reads. Each connection has its own thread and carries one request, so that a slow visitor does not make the
+//! others wait; the files are read for one request after another. The number of connections, their duration and the
+//! size of requests are limited, so that the server outlives its visitors.
 
 mod address;
 mod answer;
@@ -27,9 +27,11 @@ use std::time::Duration;
 
 /// Time between checks for signals.
 const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 200_000_000 };
-/// Before the next attempt where the system gives no connection, for example since there are no file descriptors left.
+/// Pause before the next attempt if the system gives no connection, for example because there are no file descriptors
+/// left.
 const PAUSE: Duration = Duration::from_millis(200);
-/// Connections at a time. A browser opens six; of 64 file descriptors, as few as any system allows, half are left for files.
+/// Largest number of simultaneous connections. A browser opens six; of 64 file descriptors, the smallest limit of any
+/// system, half are left for files.
 const MOST_CONNECTIONS: usize = 32;
 
 /// Serves the page until Ctrl-C, or a signal to end.
@@ -46,7 +48,7 @@ pub(super) fn serve(run: WatchedRun, columns: Vec<String>, address: Address) -> 
     Ok(())
 }
 
-/// A listener whose connections are taken without waiting for them.
+/// A listener whose connections are accepted without blocking.
 fn listen(Address(address): Address) -> anyhow::Result<TcpListener> {
     let listener = TcpListener::bind(address).map_err(|error| match error.kind() {
         ErrorKind::AddrInUse => anyhow!(
@@ -58,7 +60,7 @@ fn listen(Address(address): Address) -> anyhow::Result<TcpListener> {
     Ok(listener)
 }
 
-/// Says where the page is, and who else can see it.
+/// Prints the address of the page, and who else can see it.
 fn announce(bound: SocketAddr) -> anyhow::Result<()> {
     if !bound.ip().is_loopback() {
         log::warn!("anybody who can reach {bound} over the network can look at this run");
@@ -66,17 +68,17 @@ fn announce(bound: SocketAddr) -> anyhow::Result<()> {
     Ok(print(&format!("http://{bound}/  (Ctrl-C ends it)"))?)
 }
 
-/// The next connection, if one comes soon.
+/// The next connection, if one arrives soon.
 fn next_visitor(listener: &TcpListener) -> Option<TcpStream> {
     let mut waited_for = [PollFd::new(listener, PollFlags::IN)];
-    // A call that a signal interrupts has seen nobody.
+    // A call interrupted by a signal has found nobody.
     if poll(&mut waited_for, Some(&PATIENCE)).unwrap_or(0) == 0 {
         return None;
     }
     match listener.accept() {
         Ok((stream, _)) => Some(stream),
         Err(error) => {
-            // A visitor who has gone already is no reason to wait.
+            // A visitor who has already gone is no reason to wait.
             if !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::ConnectionAborted) {
                 thread::sleep(PAUSE);
             }
@@ -85,13 +87,13 @@ fn next_visitor(listener: &TcpListener) -> Option<TcpStream> {
     }
 }
 
-/// Has a visitor answered by a thread, or turned away if there are too many. The site is shared by as many as there are
-/// visitors, and by the server.
+/// Has a visitor answered by a thread, or rejects the visitor if there are too many. The site is shared by all visitors
+/// and the server.
 fn welcome(visitor: TcpStream, site: &Arc<Mutex<Site>>) {
     if Arc::strong_count(site) > MOST_CONNECTIONS {
         return busy(&visitor);
     }
     let site = Arc::clone(site);
-    // Where the system refuses a thread, the connection is closed.
+    // If the system refuses a thread, the connection is closed.
     let _ = thread::Builder::new().spawn(move || exchange(&visitor, &site));
 }

@@ -1,6 +1,6 @@
-//! Ends the program where its terminal has gone or a signal asks for it, whatever the thread that draws does.
+//! Ends the program if its terminal has gone or a signal requests it, whatever the drawing thread does.
 //!
-//! The library that reads keys may never come back: from a terminal that is gone it reads nothing without end, and behind
+//! The library that reads keys may never return: from a terminal that has gone it reads nothing without end, and after
 //! half of an escape sequence it waits for the rest.
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -10,30 +10,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Between checks of the flag of signals.
+/// Time between checks of the flag of signals.
 const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
-/// What the thread that draws has to leave by itself, which takes it a tenth of a second if it can.
+/// Time for the drawing thread to leave by itself, which takes a tenth of a second if it can.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Watches the terminal and the flag in a thread of its own. When either says so, the flag is set, and the program ended
-/// soon after if it is still there.
+/// Watches the terminal and the flag in a thread of its own. If the terminal has gone or the flag is set, the flag is
+/// set, and the program is ended soon after if it is still running.
 pub(super) fn guard(stop: Arc<AtomicBool>) -> io::Result<()> {
     thread::Builder::new().spawn(move || {
         while !stop.load(Ordering::Relaxed) && !has_gone() {}
         stop.store(true, Ordering::Relaxed);
         thread::sleep(GRACE);
-        // Nothing is left to restore where the terminal has gone.
+        // Nothing is left to restore if the terminal has gone.
         let _ = ratatui::try_restore();
         std::process::exit(0);
     })?;
     Ok(())
 }
 
-/// Waits a little, and says whether the terminal has hung up.
+/// Waits briefly, and returns whether the terminal has hung up.
 pub(super) fn has_gone() -> bool {
     let output = stdout();
     let mut terminal = [PollFd::new(&output, PollFlags::empty())];
-    // An interrupted call has seen nothing; the flag is checked again.
+    // An interrupted call has found nothing; the flag is checked again.
     let found = poll(&mut terminal, Some(&PATIENCE)).unwrap_or(0);
     found > 0
 }

@@ -21,14 +21,15 @@ const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 /// Time between checks for keys and signals.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Shows the run until `q`, Esc, Ctrl-C, a signal or the end of the terminal; leaves the terminal as it was, after an error too.
+/// Shows the run until `q`, Esc, Ctrl-C, a signal or the end of the terminal; restores the terminal, also after an
+/// error.
 pub(super) fn show(run: &mut WatchedRun, columns: &[String]) -> anyhow::Result<()> {
     let stop = stop_flag()?;
     guard(Arc::clone(&stop)).context("no thread can be started")?;
     let mut terminal =
         ratatui::try_init().context("the terminal cannot be drawn on; try --once")?;
     let ended = follow(&mut terminal, run, columns, &stop);
-    // Nothing is left to restore where the terminal has gone, and nobody to be shown an error.
+    // Nothing is left to restore if the terminal has gone, and nobody can be shown an error.
     let _ = ratatui::try_restore();
     if ended.is_err() && has_gone() { Ok(()) } else { ended }
 }
@@ -52,7 +53,7 @@ fn follow(
     }
 }
 
-/// What comes next.
+/// The next action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wish {
     Leave,

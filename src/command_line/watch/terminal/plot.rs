@@ -9,10 +9,10 @@ use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType};
 
-/// Points across a column of characters: two dots wide, lowest and highest of each.
+/// Number of points per column of characters: two dots wide, with the lowest and highest of each.
 const POINTS_PER_COLUMN: usize = 4;
 
-/// Draws a curve into a part of the screen, on request over a logarithmic axis.
+/// Draws a curve into a part of the screen, optionally with a logarithmic axis.
 pub(super) fn draw(
     frame: &mut Frame,
     area: Rect,
@@ -53,7 +53,7 @@ fn axis(bounds: [f64; 2]) -> Axis<'static> {
     Axis::default().bounds(bounds).style(Style::new().dim())
 }
 
-/// Bounds that are apart even if all numbers are the same.
+/// Bounds that differ even if all numbers are the same.
 fn around((least, largest): (f64, f64)) -> [f64; 2] {
     if largest > least {
         return [least, largest];

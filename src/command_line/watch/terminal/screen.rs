@@ -1,4 +1,4 @@
-//! What stands on the screen: head, progress, warnings, plots.
+//! Contents of the screen: head, progress, warnings, plots.
 
 use super::plot;
 use crate::command_line::watch::columns::Curve;
@@ -9,16 +9,16 @@ use ratatui::style::{Color, Style, Stylize};
 use ratatui::text::Line;
 use ratatui::widgets::{Gauge, Paragraph};
 
-/// Warnings that have room.
+/// Largest number of warnings that are shown.
 const WARNINGS: usize = 4;
-/// Plots beside one another need so many columns.
+/// Number of columns from which plots are placed side by side.
 const WIDE: u16 = 80;
 
-/// What one check of a run found.
+/// Results of one check of a run.
 pub(super) struct Screen {
     pub(super) overview: Overview,
     pub(super) curves: Vec<Curve>,
-    /// Values over logarithmic axes.
+    /// Whether values have logarithmic axes.
     pub(super) is_logarithmic: bool,
 }
 
@@ -136,7 +136,7 @@ mod tests {
         }
         assert_eq!(text.matches("bed_top [m]").count(), 2);
         assert!(dots(&lines) > 60, "{text}");
-        // Negative control: without curves there are no dots, and no more than a word.
+        // Negative control: without curves there are no dots, and only one word.
         let empty = drawn(&Screen { curves: Vec::new(), ..screen() }, 100, 30);
         assert_eq!(dots(&empty), 0);
         assert!(empty.join("\n").contains("no rows of series.csv yet"));
@@ -150,7 +150,7 @@ mod tests {
             let screen = Screen { curves: vec![curve.clone()], is_logarithmic, ..screen() };
             drawn(&screen, 60, 30).iter().filter(|line| dots(&[(*line).clone()]) > 2).count()
         };
-        // Four decades: on a linear axis all but the first lie at the bottom.
+        // Four decades: on a linear axis all except the first lie at the bottom.
         assert!(
             rows_with_dots(true) >= 5 && rows_with_dots(false) < 4,
             "{}",
