@@ -102,9 +102,9 @@ measures! {
     centre_height: Length = |it| ratio(it.particles.moment, it.particles.mass);
     /// Vertical velocity of the centre of mass.
     centre_velocity: Speed = |it| ratio(it.particles.vertical_momentum, it.particles.mass);
-    /// Lowest height of the bed.
+    /// Height of the bottom of the bed.
     bed_bottom: Length = |it| it.bed_bottom;
-    /// Highest height of the bed.
+    /// Height of the top of the bed.
     bed_top: Length = |it| it.bed_top;
     /// Kinetic energy of the mean motion, M V^2 / 2.
     kinetic_energy_of_mean_motion: Energy = |it| it.mean_energy;

@@ -23,9 +23,9 @@ use nalgebra::Vector3;
 ///
 /// Multiples of one quantum are added and subtracted **exactly** in double precision as long as the result stays below
 /// 2^53 quanta. Their sum is therefore the same for any order and any distribution over ranks. Talcum rounds positions
-/// to one quantum, so that the displacement between two particles does not depend on the periodic face or the rank
-/// border across which it is computed, and forces to another, so that the force on a particle does not depend on the
-/// order in which its contacts are evaluated.
+/// to one quantum: the displacement between two particles then does not depend on the periodic face or the rank border
+/// across which it is computed. Forces are rounded to another quantum: the force on a particle then does not depend on
+/// the order in which its contacts are evaluated.
 ///
 /// ```
 /// use talcum::numbers::Quantum;

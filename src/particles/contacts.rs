@@ -71,7 +71,7 @@ impl Contacts {
         self.partner.len()
     }
 
-    /// Whether each particle, owned or ghost, is the second of a listed pair.
+    /// For each particle, owned or ghost, whether it is the second of a listed pair.
     pub(crate) fn are_partners(&self, particles: &Particles) -> Vec<bool> {
         let mut are_partners = vec![false; particles.count()];
         self.partner.iter().for_each(|&partner| are_partners[partner as usize] = true);

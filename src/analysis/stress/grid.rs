@@ -18,7 +18,7 @@ pub struct CellGrid {
 /// A part of a line inside one cell, from `first` to `last` in units of the line's length from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
-    /// `None` outside the grid.
+    /// Cell that contains the part; `None` outside the grid.
     pub(super) cell: Option<u64>,
     pub(super) first: f64,
     pub(super) last: f64,

@@ -337,9 +337,9 @@ fn dyads<const N: usize>(contact: &ContactForce) -> [f64; N] {
     })
 }
 
-/// Particles inside of the grid.
+/// Particles inside the grid.
 struct Placed {
-    /// Each with the slot of its cell.
+    /// These particles, each with the slot of its cell.
     inside: Vec<(usize, MovingParticle)>,
     cells: Slots,
 }

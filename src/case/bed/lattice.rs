@@ -20,8 +20,8 @@ struct Sites {
     bottom: f64,
 }
 
-/// Spheres of a part of the bed on lattice sites, and their ids. Each is displaced along each axis by up to `jitter` of
-/// half the free gap, so that no two can touch.
+/// Spheres of a part of the bed on lattice sites, and their ids. Each is displaced along each axis by at most `jitter`
+/// times half the free gap. This is less than half of the gap, so that no two spheres can touch.
 pub(super) fn fill(
     case: &Case,
     spacing: f64,

@@ -21,7 +21,7 @@ use thiserror::Error;
 /// Particles without contact histories.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InitialBed {
-    /// Particles in the order of their ids; positions on the lattice of the box, inside it.
+    /// Particles in the order of their ids, inside the box; positions are multiples of the box's quantum of positions.
     pub particles: Vec<ParticleRecord>,
 }
 
