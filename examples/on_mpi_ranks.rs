@@ -13,7 +13,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Starts MPI; it ends when `ranks` goes out of scope, at the end of this function.
     let ranks = MpiRanks::start()?;
 
-    // Every rank builds the same setup, dimensionless as in the example `run_a_bed`, and keeps its share of the particles.
+    // Every rank builds the same setup, dimensionless as in the example `run_a_bed`, and keeps its share of the
+    // particles.
     let law = LinearSpringDashpot::new(1.0e4, 8.2e3, 0.7, 0.3, FrictionCap::Contact)?;
     let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall, Face::Open]];
     let layers = Layers { count: 300, spacing: 1.2, jitter: 0.05, seed: 1, ..Layers::default() };

@@ -40,8 +40,8 @@ fn bed() -> Result<Run<'static>, Box<dyn std::error::Error>> {
     Ok(setup.gravity(1.0).layers(&layers).start_alone()?)
 }
 
-/// A row: the time, the number of particles that touch the plate, and the kinetic energy of all of them, without that of
-/// rotation.
+/// A row: the time, the number of particles that touch the plate, and the kinetic energy of all of them, without that
+/// of rotation.
 fn write_row(table: &mut impl Write, run: &mut Run) -> Result<(), Box<dyn std::error::Error>> {
     // The whole state has a record for each contact with a wall; the plate is the only wall here.
     let touching = run.snapshot()?.walls.len();

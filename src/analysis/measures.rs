@@ -34,11 +34,11 @@ pub enum Quantity {
     SquaredSpeed,
     /// Diffusion coefficient, squared length over time.
     Diffusivity,
-    /// Per time.
+    /// Rate, per time.
     Rate,
     /// An angle that is printed, in degrees in both systems of units.
     Degrees,
-    /// Without a unit.
+    /// A number without a unit.
     Number,
 }
 

@@ -250,7 +250,8 @@ mod tests {
 
     #[test]
     fn a_swing_too_slow_for_the_segments_hides_behind_no_peak_of_noise() {
-        // Five periods in the record, and segments of a quarter of it, whose 1.25 periods cannot be distinguished from a drift.
+        // Five periods in the record, and segments of a quarter of it, whose 1.25 periods cannot be distinguished from
+        // a drift.
         let (count, interval) = (400, 0.0025);
         let swings = |periods: f64| -> Vec<f64> {
             let phase = |index: usize| 2.0 * PI * periods * index as f64 / count as f64;

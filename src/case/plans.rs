@@ -64,7 +64,7 @@ impl ParticleField {
     ];
 }
 
-/// Times of checkpoints, besides at the end and on a signal.
+/// Times of checkpoints, in addition to those at the end and on a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckpointPlan {
     /// Interval in simulated time.

@@ -125,7 +125,7 @@ fn read_column(
     column.map(Some).map_err(|message| section.fail("cells", message)).ok()
 }
 
-/// A parabolic profile in a round column is that of Poiseuille, 2 (1 - r^2 / R^2).
+/// Replaces a parabolic profile in a round column by Poiseuille's, 2 (1 - r^2 / R^2).
 fn fit_profile(boundary: &mut Boundary, column: &RoundColumn) {
     if let Boundary::Inlet(inlet) = boundary
         && inlet.profile == Profile::Parabolic
@@ -282,7 +282,7 @@ mod tests {
         assert_eq!(covered_parts([1.25, 1.5], 1.0, 3), [0.0, 0.25, 0.0]);
     }
 
-    /// For any cells, the flux is that of the jet and of the rest of the face.
+    /// The flux is the sum over the jet and the rest of the face, for any cells.
     #[test]
     fn the_flux_of_a_jet_does_not_depend_on_the_cells() {
         let text =

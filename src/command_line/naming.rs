@@ -73,7 +73,7 @@ mod tests {
         let (mut changed, set) = case(&["contact.friction=0.3", "parallel.skin=0.2"]);
         name_differences(&mut changed, &set, None).unwrap();
         assert_eq!(changed.title, format!("{}: contact.friction = 0.3", plain.title));
-        // The text says the same, and reading it gives the same case.
+        // The text agrees with the title, and reading it gives the same case.
         let again = Case::from_text(&changed.text, "again", Path::new(""), &[]).unwrap();
         assert_eq!(again.title, changed.title);
         // When it is called again, as by a restart with the same change, it adds nothing.

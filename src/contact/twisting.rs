@@ -38,8 +38,8 @@ pub const TWISTING: &[Word] = &[
 
 /// Twisting friction: a spring about the normal that yields, and a dashpot.
 ///
-/// With omega_n the relative spin about the normal n and theta the angle twisted since the contact began, the torque on the
-/// second body is
+/// With omega_n the relative spin about the normal n and theta the angle twisted since the contact began, the torque on
+/// the second body is
 ///
 /// ```math
 /// M = -(k_o \theta + \eta_o\, 2 \sqrt{I^* k_o}\, \omega_n)\, n, \qquad k_o = \kappa\, k_n R^{*2}, \qquad |M| \le \mu_o R^* F
@@ -67,8 +67,8 @@ impl TwistingFriction {
         Ok(Self { coefficient, stiffness, damping })
     }
 
-    /// Torque on the second body along the normal, after `angle` has been advanced by `dt`. `stiffness` is that of the law
-    /// before and after the step.
+    /// Torque on the second body along the normal, after `angle` has been advanced by `dt`. `stiffness` is that of the
+    /// law before and after the step.
     #[inline(always)]
     pub(super) fn torque(
         &self,

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Transfers between the particles and the cells of one rank: hat functions around cell centres, then the filter if
-/// there is one. Disposable.
+/// there is one. It is not part of the state of a run.
 ///
 /// One set of weights serves both directions, so that interpolation is the adjoint of deposition.
 #[derive(Clone, Debug)]
@@ -49,8 +49,8 @@ vectorised!(
 );
 
 impl CellTransfer {
-    /// For one rank's part of a grid, in the box or in a round column in it, and a filter of this full width at half
-    /// maximum (0 for none). Fields have the shape of `field`.
+    /// Transfers on one rank's part of a grid, in the box or in a round column in it, with a filter of this full width
+    /// at half maximum (0 for none). Fields have the shape of `field`.
     pub(crate) fn new(
         (grid, column): (&BoxGrid, Option<&RoundColumn>),
         filter_width: f64,

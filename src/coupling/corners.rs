@@ -12,7 +12,7 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
-    /// For fields of the shape of `field`.
+    /// The corners in the memory of fields of the shape of `field`.
     #[inline(always)]
     pub(crate) fn of(weights: &CellWeights, field: &Field) -> Self {
         let corners = weights.corners();

@@ -13,7 +13,7 @@ use crate::parallel::{CellRecord, CellSample, CollectiveError, Communicator};
 use crate::particles::{GAS_FORCE, Particles};
 use nalgebra::Vector3;
 
-/// The gas of the present stage on one rank. Disposable.
+/// The gas of the present stage on one rank. It is not part of the state of a run.
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::large_enum_variant, reason = "one in a run")]
 pub enum GasSolver {
@@ -141,8 +141,8 @@ impl GasSolver {
         }
     }
 
-    /// Adds the force of a column gas to each owned particle; that of a volume-averaged gas, which is constant between its
-    /// steps, has been added already.
+    /// Adds the force of a column gas to each owned particle; that of a volume-averaged gas, which is constant between
+    /// its steps, has been added already.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.

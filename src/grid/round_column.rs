@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 /// open cell takes over the parts of the column in closed neighbours, so that no cell is small. The sum over all cells
 /// is pi R^2 / (dx dy), and a bed of uniform packing has the same voidage in all cells.
 ///
-/// A point in the thin segments of the column around which no cell may be open, farther from the axis than (R^2 - (dx^2
-/// + dy^2) / 4)^1/2, is treated as if it lay on that circle.
+/// A point in the thin segments of the column around which no cell may be open, farther from the axis than
+/// (R^2 - (dx^2 + dy^2) / 4)^1/2, is treated as if it lay on that circle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoundColumn {
     centre: [f64; 2],
@@ -260,7 +260,7 @@ pub(crate) struct ColumnOnCells {
 }
 
 impl ColumnOnCells {
-    /// For fields of the shape of `field` on the cells of a part.
+    /// The column on the cells of a part, for fields of the shape of `field`.
     pub(crate) fn new(column: &RoundColumn, part: &LocalCells, field: &Field) -> Self {
         let mut open_fractions = Field::new(part, field.halo());
         let halo = field.halo() as isize;

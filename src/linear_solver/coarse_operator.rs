@@ -7,10 +7,10 @@
 //! \end{aligned}
 //! ```
 //!
-//! Both sums run over the faces f across the axis. R and t are those of [`Interpolation`]; the weight of a cell is 1 -
-//! t in its own pair and t in the next, and w_f is the mean weight of the two cells of a face. The sum in the first row
-//! accounts for the flow between cells side by side with different weights. Without it the coarse-grid correction would
-//! be too large where coefficients jump.
+//! Both sums run over the faces f across the axis. R and t are those of [`Interpolation`]; the weight of a cell is
+//! 1 - t in its own pair and t in the next, and w_f is the mean weight of the two cells of a face. The sum in the first
+//! row accounts for the flow between cells side by side with different weights. Without it the coarse-grid correction
+//! would be too large where coefficients jump.
 
 use super::cell_pairs::PairRow;
 use super::interpolation::Interpolation;
@@ -168,8 +168,8 @@ fn add_cross_flow<const SPACING: usize>(
     }
 }
 
-/// The sums over fine cells of their values times their weights in a pair. The weight is the mean of two: those of the two
-/// cells of a face across the axis, or twice that of a cell.
+/// The sums over fine cells of their values times their weights in a pair. The weight is the mean of two: those of the
+/// two cells of a face across the axis, or twice that of a cell.
 #[inline(always)]
 fn in_parallel<const SPACING: usize, const SINGLE: bool>(
     values: FourCells,

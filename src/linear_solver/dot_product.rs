@@ -36,7 +36,7 @@ impl Values for &Field {
 /// The two quanta of the terms of a sum: 2^-51 and 2^-103 times a bound of their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TermQuanta {
-    /// A power of two.
+    /// The bound, a power of two.
     limit: f64,
 }
 

@@ -298,7 +298,8 @@ mod tests {
             }
             let [(x, mx), (y, my)] = &results[..] else { unreachable!("two fields were made") };
             let size = (dot(x, mx) * dot(y, my)).sqrt();
-            // Numbers are rounded by 2^-24, in some hundred operations per cell; most of it cancels in sums over 7,000 cells.
+            // Numbers are rounded by 2^-24, in some hundred operations per cell; most of it cancels in sums over 7,000
+            // cells.
             let asymmetry = (dot(x, my) - dot(y, mx)).abs() / size;
             assert!(asymmetry < 1.0e-7, "{asymmetry}");
             assert!(dot(x, mx) > 0.0 && dot(y, my) > 0.0);

@@ -1,8 +1,8 @@
 //! Probes: gas and solids at a point or on a plane.
 //!
 //! At a point: the values of the gas's cell that contains it, and the solids whose centres lie within a radius. On a
-//! plane with area A, with a_i = pi (r_i^2 - h_i^2) the section of particle i, whose centre is at the distance h_i <
-//! r_i:
+//! plane with area A, with a_i = pi (r_i^2 - h_i^2) the section of particle i, whose centre is at the distance
+//! h_i < r_i:
 //!
 //! ```text
 //! area fraction of the solids  sum a_i / A,    volume flux  sum a_i v_i / A

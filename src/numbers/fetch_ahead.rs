@@ -25,8 +25,8 @@ fn fetch_line(address: *const i8) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a prefetch is a hint. It neither reads nor writes, and does not fault, whatever the address. SSE, which has
-        // the instruction, is part of every x86-64 processor.
+        // SAFETY: a prefetch is a hint. It neither reads nor writes, and does not fault, whatever the address. SSE,
+        // which has the instruction, is part of every x86-64 processor.
         #[allow(unsafe_code, reason = "a prefetch instruction, which accesses nothing")]
         unsafe {
             _mm_prefetch::<_MM_HINT_T0>(address);

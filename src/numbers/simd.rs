@@ -181,11 +181,12 @@ mod avx2 {
 
     /// Four numbers in a register of AVX2.
     ///
-    /// Its methods are safe functions that execute instructions of AVX2. This is sound by one invariant: **code that uses
-    /// this type runs only if the processor has AVX2.** The type is private to this module, so that nothing else can name
-    /// it, and generic code gets it only from `avx2_registers`, which is `unsafe` to call without AVX2
-    /// (`#[target_feature]`). [`vectorised`](crate::numbers::vectorised) calls it, in functions that it calls after AVX2 has
-    /// been detected. A function may keep or return values of it: they exist only in a process that runs on such a processor.
+    /// Its methods are safe functions that execute instructions of AVX2. This is sound by one invariant: **code that
+    /// uses this type runs only if the processor has AVX2.** The type is private to this module, so that nothing else
+    /// can name it, and generic code gets it only from `avx2_registers`, which is `unsafe` to call without AVX2
+    /// (`#[target_feature]`). [`vectorised`](crate::numbers::vectorised) calls it, in functions that it calls after
+    /// AVX2 has been detected. A function may keep or return values of it: they exist only in a process that runs on
+    /// such a processor.
     ///
     /// Loads and stores need no alignment, and `&[f64; 4]` is exactly the memory that they access.
     #[derive(Clone, Copy)]

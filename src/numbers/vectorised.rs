@@ -2,7 +2,8 @@
 
 /// Compiles a function for several instruction sets. Each call chooses the widest that the processor has.
 ///
-/// The argument of the macro is an ordinary function of one of two kinds. In the first the compiler finds the vectors by itself:
+/// The argument of the macro is an ordinary function of one of two kinds. In the first the compiler finds the vectors
+/// by itself:
 ///
 /// ```ignore
 /// vectorised!(
@@ -13,8 +14,8 @@
 /// );
 /// ```
 ///
-/// The second works with registers of four numbers, [`F64x4`](super::F64x4). Its first type parameter is `Q: F64x4`, which the macro
-/// fills in, so that callers do not name it:
+/// The second works with registers of four numbers, [`F64x4`](super::F64x4). Its first type parameter is `Q: F64x4`,
+/// which the macro fills in, so that callers do not name it:
 ///
 /// ```ignore
 /// vectorised!(
@@ -50,8 +51,8 @@
 /// A function of the first kind has no copy for AVX-512: its loops run over rows, most of which are too short to
 /// benefit from it.
 ///
-/// The bits are the same in all copies: each operation is rounded once, multiplications and additions are never fused, and
-/// the width of a vector is only the number of values that are worked on side by side.
+/// The bits are the same in all copies: each operation is rounded once, multiplications and additions are never fused,
+/// and the width of a vector is only the number of values that are worked on side by side.
 ///
 /// # Rules for the function
 /// * All functions that it calls must be `#[inline(always)]`: only inlined code is compiled for the instructions of a

@@ -36,7 +36,7 @@ pub struct ColumnUnits {
     pub squared_speed: &'static str,
     /// Squared length over time.
     pub diffusivity: &'static str,
-    /// Per time.
+    /// Inverse time.
     pub rate: &'static str,
     /// No unit, for pure numbers.
     pub number: &'static str,

@@ -30,7 +30,8 @@ pub struct RankLoad {
     /// Maximum over mean of the ranks' times, or of their particle counts if no time is known; 1 if there are no
     /// particles.
     pub imbalance: f64,
-    /// Time of this rank per particle, without its pairs, relative to the time of all ranks per particle, with its pairs.
+    /// Time of this rank per particle, without its pairs, relative to the time of all ranks per particle, with its
+    /// pairs.
     cost_of_particle: f64,
     /// Time of this rank per pair, relative to the time of all ranks per particle, with its pairs.
     cost_of_pair: f64,

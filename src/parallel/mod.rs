@@ -1,7 +1,7 @@
 //! Communication between ranks; it contains no physics.
 //!
-//! One rank is not a special case: periodic images are ghosts that a rank sends to itself. A call is *collective* if all
-//! ranks must make it, in the same order.
+//! One rank is not a special case: periodic images are ghosts that a rank sends to itself. A call is *collective* if
+//! all ranks must make it, in the same order.
 //!
 //! # Messages between ranks
 //!
@@ -17,8 +17,8 @@
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
-//! Columns of particles that travel ([`Travel`](crate::fields::Travel)) follow the records of velocities, of forces and of new ghosts in
-//! the same messages, 8 bytes for each number; custom fields follow the records of particles.
+//! Columns of particles that travel ([`Travel`](crate::fields::Travel)) follow the records of velocities, of forces and
+//! of new ghosts in the same messages, 8 bytes for each number; custom fields follow the records of particles.
 //!
 //! When the neighbour list is rebuilt:
 //!

@@ -54,7 +54,8 @@ struct SendList {
 }
 
 impl ParticleHalo {
-    /// Makes ghosts of all particles within `width` of this rank's subdomain that are ahead of it. This call is collective.
+    /// Makes ghosts of all particles within `width` of this rank's subdomain that are ahead of it. This call is
+    /// collective.
     ///
     /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts follow the
     /// owned particles, with current position (of the image), velocity, angular velocity, radius and mass; none is

@@ -124,12 +124,13 @@ impl<const N: usize> FixedPointSums<N> {
 #[derive(Clone, Debug)]
 pub(crate) struct Slots {
     keys: Vec<u64>,
-    /// By key: 1 + its place, or 0. Memory of keys far from all that have occurred is never touched.
+    /// For each key, 1 + its place, or 0 if it has none. Memory of keys far from all that have
+    /// occurred is never touched.
     of_key: Vec<u32>,
 }
 
 impl Slots {
-    /// For keys from 0 up to, but not including, `keys`.
+    /// Room for the keys from 0 up to, but not including, `keys`.
     pub(crate) fn new(keys: usize) -> Self {
         Self { keys: Vec::new(), of_key: vec![0; keys] }
     }

@@ -21,7 +21,8 @@ pub fn samples(particles: &Particles, bounds: &Bounds) -> (Vec<ParticleSample>, 
     (order.iter().map(sample).collect(), order)
 }
 
-/// The touching pairs of different particles, each once, on the rank that owns the lower id, in ascending order. Collective.
+/// The touching pairs of different particles, each once, on the rank that owns the lower id, in ascending order.
+/// Collective.
 pub fn touching_pairs(
     contacts: &Contacts,
     particles: &Particles,

@@ -23,7 +23,7 @@ pub struct Ownership {
 }
 
 impl Ownership {
-    /// For ascending ids, each of which occurs once.
+    /// The ownership of ascending ids, each of which occurs once.
     pub fn of(ids: Vec<u64>) -> Self {
         debug_assert!(ids.is_sorted_by(|a, b| a < b));
         let range = ids.last().map_or(0, |last| last - ids[0]);

@@ -1,4 +1,4 @@
-//! Rendezvous of records: the rank on which records with a key meet, which all ranks can compute from the key.
+//! Rendezvous of records: records with a key meet on one rank, which all ranks can compute from the key.
 //!
 //! No rank needs to know which rank owns a particle. Keys are spread over the ranks by a hash, so that about equally
 //! many meet on each rank, and the results of a rank for its keys do not depend on the senders of the records.

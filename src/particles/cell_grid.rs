@@ -4,8 +4,8 @@ use super::Body;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// A grid of cells over the bounding box of the owned particles, each at least as wide as the range of the list, and a layer
-/// of cells around it for ghosts.
+/// A grid of cells over the bounding box of the owned particles, each at least as wide as the range of the list, and a
+/// layer of cells around it for ghosts.
 ///
 /// The choice of cells changes the order of work, but never a result.
 #[derive(Clone, Debug, Default)]

@@ -11,9 +11,9 @@ use std::ops::Range;
 pub struct Column {
     /// Fields of a row, side by side.
     fields: Vec<Field>,
-    /// Numbers of a row.
+    /// Number of values in a row.
     width: usize,
-    /// Rows.
+    /// Number of rows.
     count: usize,
     /// All rows, or none while all are zero.
     values: Vec<f64>,

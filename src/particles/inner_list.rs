@@ -32,7 +32,8 @@ pub(crate) struct InteractionRanges {
     pub(crate) diameter: f64,
 }
 
-/// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`, owned particles before ghosts.
+/// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`, owned particles before
+/// ghosts.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) start: &'a [u32],
@@ -351,7 +352,8 @@ mod tests {
 
     const RANGES: InteractionRanges = InteractionRanges { contact: 0.0, any: 0.0, diameter: 1.0 };
 
-    /// The margin after ten steps of a displacement, on a rank with `own` listed pairs; `largest` are those of all ranks.
+    /// The margin after ten steps of a displacement, on a rank with `own` listed pairs; `largest` are those of all
+    /// ranks.
     fn margin_of_rank(own: usize, largest: PairCounts, displacement: f64) -> f64 {
         let mut list = InnerList::default();
         let particles = Particles::default();

@@ -136,8 +136,8 @@ impl PairBlocks {
         self.count
     }
 
-    /// Makes room for the angles of rolling and of twisting springs, all zero, or drops them: a spring that is switched off
-    /// and on again starts without deflection.
+    /// Makes room for the angles of rolling and of twisting springs, all zero, or drops them: a spring that is switched
+    /// off and on again starts without deflection.
     pub(crate) fn hold_angles(&mut self, rolling: bool, twisting: bool) {
         self.columns.hold_angles([rolling, twisting], self.blocks.len());
     }

@@ -57,7 +57,8 @@ impl<Q: F64x4> FourPairs<Q> {
     }
 }
 
-/// One to four items as four: the last one is repeated if there are fewer, since loops of a known length stay in registers.
+/// One to four items as four: the last one is repeated if there are fewer, since loops of a known length stay in
+/// registers.
 #[inline(always)]
 pub(crate) fn four_of<T>(items: &[T]) -> [&T; 4] {
     match items.first_chunk::<4>() {

@@ -1,7 +1,7 @@
 //! The Archimedes number, which determines the regime in which a particle falls.
 
-/// Ar = rho_g (rho_s - rho_g) g d^3 / mu^2, with the densities of gas and solid, gravity g, the diameter d and the viscosity
-/// mu of the gas.
+/// Ar = rho_g (rho_s - rho_g) g d^3 / mu^2, with the densities of gas and solid, gravity g, the diameter d and the
+/// viscosity mu of the gas.
 ///
 /// ```
 /// use talcum::rules::archimedes_number;

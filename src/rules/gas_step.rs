@@ -9,8 +9,8 @@ pub fn courant_rate(velocity: [f64; 3], cell_size: [f64; 3]) -> f64 {
     velocity.into_iter().zip(cell_size).map(|(velocity, size)| velocity.abs() / size).sum()
 }
 
-/// Rate whose product with the gas step is the viscous number V: a bound on the rate at which viscosity damps any velocity
-/// on the grid,
+/// Rate whose product with the gas step is the viscous number V: a bound on the rate at which viscosity damps any
+/// velocity on the grid,
 ///
 /// ```math
 /// \frac{16}{3}\, \frac{\mu}{\rho}\, \frac{1 + r}{2} \sum_a \frac{1}{h_a^2}

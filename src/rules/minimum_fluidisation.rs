@@ -1,9 +1,10 @@
 //! The gas velocity at which the gas carries a bed at rest.
 
-/// Force of the gas on a particle at rest in a bed at rest: (V / phi) beta U / (1 - phi)^2, mean pressure gradient included.
+/// Force of the gas on a particle at rest in a bed at rest: (V / phi) beta U / (1 - phi)^2, mean pressure gradient
+/// included.
 ///
-/// `drag` is (V / phi) beta, the drag per velocity, U the superficial velocity, phi the solids fraction (Moon et al. 2006,
-/// eq. (12)).
+/// `drag` is (V / phi) beta, the drag per velocity, U the superficial velocity, phi the solids fraction (Moon et al.
+/// 2006, eq. (12)).
 pub fn gas_force_at_rest(drag: f64, superficial_velocity: f64, solids_fraction: f64) -> f64 {
     drag * superficial_velocity / (1.0 - solids_fraction).powi(2)
 }

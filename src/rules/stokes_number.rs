@@ -1,7 +1,7 @@
 //! The Stokes number of a particle that falls in the gas.
 
-/// St = rho_s g^(1/2) d^(3/2) / mu, with the density of the solid, gravity g, the diameter d and the viscosity mu of the
-/// gas (Moon et al. 2006).
+/// St = rho_s g^(1/2) d^(3/2) / mu, with the density of the solid, gravity g, the diameter d and the viscosity mu of
+/// the gas (Moon et al. 2006).
 ///
 /// ```
 /// use talcum::rules::{stokes_number, viscosity_of_stokes_number};

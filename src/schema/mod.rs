@@ -5,7 +5,6 @@
 //! the file of the law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors
 //! are all based on these tables, so that no range and no default is written twice. This module does not depend on the
 //! rest of the crate.
-//! from these tables, so no range and no default is written twice. This module knows nothing else of the crate.
 
 mod allowed;
 mod mixing;

@@ -100,7 +100,7 @@ impl Run<'_> {
         Some(ledger.balance(&self.stored_energy(), self.ranks))
     }
 
-    /// Energy of motion, attraction and springs; energy. Collective.
+    /// Energy of motion, attraction and springs. Collective.
     pub fn stored_energy(&self) -> StoredEnergy {
         let Self { state, domain, models, work, ranks } = self;
         stored_energy(state, domain, models, work).total(*ranks)

@@ -71,8 +71,8 @@ impl OutputFolder {
 
     /// Removes an earlier run's results, and nothing else.
     ///
+    /// # Errors
     /// If the folder cannot be read or a file cannot be removed.
-    /// If the folder cannot be read or a file not be removed.
     pub fn clear(&self) -> Result<(), String> {
         if !self.path.exists() {
             return Ok(());

@@ -20,7 +20,8 @@ pub(super) fn named_grid(case: &Case, ranks: usize) -> RankGrid {
 /// the whole box allow. Particles lie on the ranks in any order. Collective.
 ///
 /// # Errors
-/// If the grid does not fit the number of ranks, or subdomains would be narrower than their ghosts or cells; the same on all ranks.
+/// If the grid does not fit the number of ranks, or subdomains would be narrower than their ghosts or cells; the same
+/// on all ranks.
 pub(super) fn divide(
     case: &Case,
     layout: &Layout<'_>,

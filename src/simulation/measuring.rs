@@ -23,7 +23,7 @@ impl Scheduled {
     }
 }
 
-/// Initial conditions of measures.
+/// Data with which measures start.
 pub(super) struct Beginning<'a> {
     /// The folder of results.
     pub(super) folder: &'a Path,

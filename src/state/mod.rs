@@ -1,5 +1,5 @@
-//! The three kinds of data: what a checkpoint holds ([`State`]), what the case chose ([`Models`]), and what can be
-//! dropped and rebuilt at any time ([`Workspace`]).
+//! The three kinds of data: the contents of a checkpoint ([`State`]), the choices of the case ([`Models`]), and data
+//! that can be dropped and rebuilt at any time ([`Workspace`]).
 
 mod balance;
 mod clock;

@@ -42,7 +42,8 @@ pub struct StudyOptions {
     /// Work on one task only, by its number or name (see --only-list).
     #[arg(long, value_name = "TASK")]
     pub(crate) run: Option<String>,
-    /// A table runs.csv of this study from elsewhere, whose complete runs are not made again. May be given several times.
+    /// A table runs.csv of this study from elsewhere, whose complete runs are not made again. May be given several
+    /// times.
     #[arg(long, value_name = "RUNS_CSV")]
     pub(crate) known: Vec<PathBuf>,
     /// Retry runs that have failed.

@@ -6,13 +6,13 @@ use crate::parallel::{Communicator, Pending};
 use crate::state::{Domain, Models, State, Workspace};
 use crate::timers::Phase;
 
-/// Sums over the particles of all ranks that are being computed; `None` unless the gas is a column gas.
+/// Pending sums over the particles of all ranks; `None` unless the gas is a column gas.
 pub(super) type BedSum<'r> = Option<Pending<'r, Vec<f64>>>;
 
-/// Deposits this rank's particles on the grid of a column gas, and begins to sum the numbers at its nodes over the ranks.
-/// Collective.
+/// Deposits this rank's particles on the grid of a column gas, and begins to sum the numbers at its nodes over the
+/// ranks. Collective.
 ///
-/// Before: particles have the positions and velocities that the gas is to see.
+/// Before: particles have the positions and velocities to be used by the gas.
 pub(super) fn start_bed_sum<'r>(
     state: &State,
     work: &mut Workspace,

@@ -12,7 +12,7 @@ use crate::particles::{ContactHistories, Particles};
 use crate::state::{Domain, LoadTimes, Models, State, Workspace};
 use std::collections::HashSet;
 
-/// Takes the lists apart and rebuilds them. Collective.
+/// Discards the lists and makes new ones; the histories of contacts are kept. Collective.
 ///
 /// # Errors
 /// If a particle is too fast, or the program loses a contact.

@@ -49,8 +49,8 @@ impl<'a> Staggered<'a> {
         self.state.particles.owned_count()
     }
 
-    /// Begins a step: the clock advances. Returns the state as it is, and the length of the step before if its second half-kick
-    /// is due, which is now the caller's task.
+    /// Begins a step: the clock advances. Returns the state as it is, and the length of the step before if its second
+    /// half-kick is due, which is now the caller's task.
     pub(super) fn begin_step(&mut self) -> (&mut State, Option<f64>) {
         self.state.clock.tick();
         (self.state, self.kick_due.take())

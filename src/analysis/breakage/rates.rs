@@ -17,7 +17,7 @@ pub struct RateCounts {
 /// A rate and its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rate {
-    /// Per agglomerate and time.
+    /// The rate, per agglomerate and time.
     pub value: f64,
     /// Its standard error.
     pub error: f64,

@@ -78,7 +78,7 @@ fn discs_have_their_area_place_and_shape_and_the_freeboard_is_left_out() {
     assert_eq!(bubbles.len(), 2);
     for (bubble, (centre, radius, tall)) in bubbles.iter().zip(drawn) {
         let area = std::f64::consts::PI * radius * radius * tall;
-        // Cells of a sixteenth of the radius: a per cent.
+        // Cells of a sixteenth of the radius give an error of a per cent.
         assert!((bubble.volume / THICK / area - 1.0).abs() < 0.01, "{bubble:?}");
         assert!((bubble.equivalent_diameter / (2.0 * radius * tall.sqrt()) - 1.0).abs() < 0.005);
         assert!((bubble.aspect_ratio / tall - 1.0).abs() < 0.01, "{bubble:?}");

@@ -34,10 +34,10 @@ pub struct LaceyIndex {
 
 /// M over the cells that contain at least `least` particles on all ranks.
 ///
-/// With n_k particles and a fraction p_k of tracers in cell k of K, N = sum n_k: S^2 = sum n_k (p_k - p)^2 / N, S_0^2 =
-/// p (1 - p), and S_R^2 = p (1 - p) (K - 1) / (N - 1), exactly the mean of S^2 if the tracers are drawn at random from
-/// the N particles (Lacey's p (1 - p) / n is its limit for many cells of n particles). Particles count by number.
-/// `None` if the cells contain only one class, or there is only one cell. Collective.
+/// With n_k particles and a fraction p_k of tracers in cell k of K, N = sum n_k: S^2 = sum n_k (p_k - p)^2 / N,
+/// S_0^2 = p (1 - p), and S_R^2 = p (1 - p) (K - 1) / (N - 1), exactly the mean of S^2 if the tracers are drawn at
+/// random from the N particles (Lacey's p (1 - p) / n is its limit for many cells of n particles). Particles count by
+/// number. `None` if the cells contain only one class, or there is only one cell. Collective.
 pub fn lacey_index(
     samples: &[Sample],
     cells: usize,

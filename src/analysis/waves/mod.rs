@@ -6,8 +6,8 @@
 //! repeats within the record, the windows have a size for which three quarters of them show a travelling pattern with
 //! one speed, which noise would do with a probability below 1e-6.) In each window, phi at every height, less its linear
 //! trend in time, is correlated with phi at the other heights over time lags; the covariances of all pairs of heights
-//! are averaged along straight rays, lag = slowness * distance (slant stack). The highest ray gives the slowness, 1 /
-//! speed.
+//! are averaged along straight rays, lag = slowness * distance (slant stack). The highest ray gives the slowness,
+//! 1 / speed.
 //!
 //! # Criterion
 //!

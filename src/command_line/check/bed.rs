@@ -22,7 +22,7 @@ const LOST_DEPTH: f64 = 0.85;
 const OF_FILTER: f64 = 0.75;
 /// Recommended width of the cells of `gas.local_voidage`, in diameters.
 const ADVISED_CELL: f64 = 1.5;
-/// Fraction of the pressure drop whose loss is reported.
+/// Lost fraction of the pressure drop above which the loss is reported.
 const LARGE_LOSS: f64 = 0.15;
 /// The largest overlap over the diameter in a bed at rest: beyond it, solids fractions and drag depend on the
 /// stiffness.

@@ -16,7 +16,7 @@ const DEFAULTS: [&[&str]; 4] = [
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
     pub(super) name: String,
-    /// Empty for a pure number.
+    /// Its unit; empty for a pure number.
     pub(super) unit: String,
     /// Time and value, finite, in the order of time.
     pub(super) points: Vec<(f64, f64)>,

@@ -82,9 +82,9 @@ const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 /// is never reached, and the force falls along the unloading line until the spheres separate. Without F0 there is no
 /// attraction.
 ///
-/// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with eta_n = 2
-/// sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, with eta_t of the same form in k_t and (2/7)
-/// m*. It is at most mu_f |F_n + F0|, so that a contact held by adhesion alone still resists sliding
+/// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with
+/// eta_n = 2 sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, with eta_t of the same form in k_t
+/// and (2/7) m*. It is at most mu_f |F_n + F0|, so that a contact held by adhesion alone still resists sliding
 /// ([`FrictionCap::Contact`]), or at most mu_f |F_n| ([`FrictionCap::Net`]).
 ///
 /// ```

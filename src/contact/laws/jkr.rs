@@ -170,8 +170,8 @@ impl ContactForceLaw for Jkr {
         ContactForce { normal, tangential, friction_normal }
     }
 
-    /// The integral of F over delta from the break of the neck on, -8 pi gamma c^4 [G(s) - G(s_b)] with G = 2 s^7 / 3 -
-    /// s^4 / 4 - 4 s^10 / 15, and (S_t / 2) s_t^2.
+    /// The integral of F over delta from the break of the neck on, -8 pi gamma c^4 [G(s) - G(s_b)] with
+    /// G = 2 s^7 / 3 - s^4 / 4 - 4 s^10 / 15, and (S_t / 2) s_t^2.
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
         let scale = self.scale(contact.reduced_radius);
         let s = neck(contact.overlap / self.overlap_scale(scale));

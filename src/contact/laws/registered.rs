@@ -49,8 +49,8 @@ pub trait RegisteredContactLaw: ContactForceLaw + Sized {
     /// The law with these values; `None` if one is missing or wrong.
     fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>>;
 
-    /// At least one law of these scales, with friction of about 0.4; more than one if the law has regimes that differ,
-    /// such as adhesion with and without a limit.
+    /// Example laws of these scales, with friction of about 0.4: at least one, and more if the law has regimes that
+    /// differ, such as adhesion with and without a limit.
     fn examples(scales: ExampleScales) -> Vec<Self>;
 }
 

@@ -45,7 +45,7 @@ fn forces(
     particles.forces.clone()
 }
 
-/// The first of 3000 steps at which a long-lived list that is informed of this share of the displacements gives other
+/// The first of 3000 steps at which a long-lived list, given this share of the actual displacements, leads to other
 /// forces than a rebuilt one; `None` if it never does.
 fn first_difference(share: f64) -> Option<usize> {
     let attraction =

@@ -12,8 +12,8 @@
 //! depend on the pressure there; above the highest node p = 0. Where there are no particles there is no drag, and p is
 //! constant.
 //!
-//! **Linear theory.** In a fixed bed p diffuses by D = P / ((1 - phi) R), R = beta / (1 - phi)^2. If the particles follow the gas
-//! closely, the bed is a fluid of density rho_s phi in which sound has the speed
+//! **Linear theory.** In a fixed bed p diffuses by D = P / ((1 - phi) R), R = beta / (1 - phi)^2. If the particles
+//! follow the gas closely, the bed is a fluid of density rho_s phi in which sound has the speed
 //!
 //! ```math
 //! c = \sqrt{\frac{P}{\rho_s \phi (1 - \phi)}}

@@ -7,8 +7,8 @@ use crate::gas::{DragLaw, ParticleDrag};
 use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;
 
-/// The column gas chosen by the case. Continuity of the mixture gives (1 - phi) u_g + phi u_s = U_s, Darcy's law -dp/dz
-/// = beta (u_g - u_s) / (1 - phi) (Moon 2006 eqs (6), (7), (11)).
+/// The column gas chosen by the case. Continuity of the mixture gives (1 - phi) u_g + phi u_s = U_s, Darcy's law
+/// -dp/dz = beta (u_g - u_s) / (1 - phi) (Moon 2006 eqs (6), (7), (11)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnGas {
     /// Distance dz of the grid nodes; a divisor of the box length if the box is periodic.

@@ -8,7 +8,6 @@ use crate::particles::LANES;
 
 /// Number of sums over the particles in one interval, as counts of their quanta: the forces at U = 0 for its lower and
 /// upper node, and the slopes for the lower one alone, for both and for the upper one, by hat weights.
-/// the slopes that go to the lower one alone, to both and to the upper one, by hat weights.
 pub(super) const SUMS: usize = 5;
 
 vectorised!(

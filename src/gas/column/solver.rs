@@ -16,7 +16,8 @@ use nalgebra::Vector3;
 /// Largest number of iterations for the superficial velocity of a weight-carrying gas; 5 to 10 are usual.
 const MOST_ITERATIONS: usize = 100;
 
-/// The column gas in a run: its grid, the bed on it, and the present superficial velocity. Disposable.
+/// The column gas in a run: its grid, the bed on it, and the present superficial velocity. It is not part
+/// of the state of a run.
 #[derive(Clone, Debug)]
 pub struct ColumnSolver {
     pub(super) gas: ColumnGas,
@@ -227,10 +228,10 @@ impl ColumnSolver {
 
     /// Adds the gas force to each owned particle, at the position and velocity with which it was deposited.
     ///
-    /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and -dp/dz = B (u_g -
-    /// u_d) / (1 - phi), where B is the drag of all particles per volume; laterally -(V / phi) beta v if the gas has
-    /// lateral drag. For particles of one size B = beta, u_d = u_s, and this is Moon 2006 eq. (12), F = (V / phi) beta
-    /// [ (u_s - v) - (u_s - U_s) / (1 - phi)^2 ].
+    /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and
+    /// -dp/dz = B (u_g - u_d) / (1 - phi), where B is the drag of all particles per volume; laterally -(V / phi) beta v
+    /// if the gas has lateral drag. For particles of one size B = beta, u_d = u_s, and this is Moon 2006 eq. (12),
+    /// F = (V / phi) beta [ (u_s - v) - (u_s - U_s) / (1 - phi)^2 ].
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.

@@ -138,9 +138,9 @@ mod tests {
 
     #[test]
     fn a_value_computed_by_hand() {
-        // 30 members at a packing of 0.4 alone: D = 75^(1/3) = 4.21716; c = D / 30 = 0.140572 and the drag through the ball
-        // 0.6^-3.65 = 6.45280, both over 3 pi mu d; B^2 = 4.5 x 6.45280 / 0.140572 = 206.567, 1 - tanh B / B = 0.930422,
-        // Omega = 0.924178.
+        // 30 members at a packing of 0.4 alone: D = 75^(1/3) = 4.21716; c = D / 30 = 0.140572 and the drag through the
+        // ball 0.6^-3.65 = 6.45280, both over 3 pi mu d; B^2 = 4.5 x 6.45280 / 0.140572 = 206.567,
+        // 1 - tanh B / B = 0.930422, Omega = 0.924178.
         let found = factor(&ball(30.0, 0.4), 0.0);
         assert!((found - 0.129914).abs() < 2.0e-6, "{found}"); // six digits by hand
     }

@@ -2,11 +2,11 @@
 
 use crate::schema::{Allowed, Key, KeyValues};
 
-/// Ratio of the drag in a suspension to the Stokes drag of a single sphere: F = F_d / (3 pi mu d eps |u_g - v|), eps =
-/// 1 - phi, Re = eps rho_g d |u_g - v| / mu.
+/// Ratio of the drag in a suspension to the Stokes drag of a single sphere: F = F_d / (3 pi mu d eps |u_g - v|).
 ///
-/// F_d is the drag without the force of the mean pressure gradient (model A). The momentum transfer per volume is
-/// beta = 18 mu eps phi F / d^2, and the force per particle (V / phi) beta (u_g - v) = 3 pi mu d eps F (u_g - v).
+/// Here eps = 1 - phi and Re = eps rho_g d |u_g - v| / mu. F_d is the drag without the force of the mean pressure
+/// gradient (model A). The momentum transfer per volume is beta = 18 mu eps phi F / d^2, and the force per particle
+/// (V / phi) beta (u_g - v) = 3 pi mu d eps F (u_g - v).
 pub trait DragCorrelation {
     /// eps F at a solids fraction in [0, 1) and a Reynolds number >= 0.
     fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64;

@@ -1,7 +1,7 @@
 //! Advection of momentum by the gas.
 //!
-//! For component a, over the cell around a face (half of the cell below, half of the one above), with the volume flux G
-//! = eps u through its faces, which is the mean of the fluxes of the two cells:
+//! For component a, over the cell around a face (half of the cell below, half of the one above), with the volume flux
+//! G = eps u through its faces, which is the mean of the fluxes of the two cells:
 //!
 //! ```math
 //! -\rho \left[ \nabla \cdot (\mathbf{G} u_a) - u_a \nabla \cdot \mathbf{G} \right]

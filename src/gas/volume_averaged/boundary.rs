@@ -8,8 +8,8 @@
 //! | `Outlet` | from momentum; no gradient | no gradient; 0 where gas comes back | given in the face |
 //!
 //! In an outlet the normal stress is assumed not to vary along the normal; if it does, errors are of first order. Gas
-//! that comes back carries no momentum. A boundary is one arm of [`Boundary::conditions`]: the kernels use only the
-//! conditions.
+//! that comes back carries no momentum. [`Boundary::conditions`] translates a boundary into conditions, which are all
+//! that the kernels use.
 
 use crate::domain::WallMotion;
 use crate::numbers::Schedule;

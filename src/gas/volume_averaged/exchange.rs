@@ -33,7 +33,7 @@ use crate::particles::Particles;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// The exchange of momentum between the particles and the gas of one rank. Disposable.
+/// The exchange of momentum between the particles and the gas of one rank. It is not part of the state of a run.
 #[derive(Clone, Debug)]
 pub struct ParticleExchange {
     model: CouplingModel,
@@ -42,7 +42,7 @@ pub struct ParticleExchange {
     transfer: CellTransfer,
     /// Set if particles of different sizes share the drag by surface.
     mean_diameter: Option<MeanDiameter>,
-    /// Set if drag is that of the undisturbed gas.
+    /// Set if drag laws use the slip and the voidage without the particle's own disturbance.
     own_disturbance: Option<OwnDisturbance>,
     /// Set if drag laws use the voidage of finer cells.
     local_voidage: Option<LocalVoidage>,
@@ -150,9 +150,9 @@ impl ParticleExchange {
         self.exchanged.error(self.limits.force_quantum, ranks)
     }
 
-    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_c, and (beta v) =
-    /// sum_i w_i b_i v_i / V_c, with V_c the open volume of the cell. b_i is computed from the present solids fraction
-    /// and the gas velocity of the last gas step. `dt` is the length of the next step. Collective.
+    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_c, and
+    /// (beta v) = sum_i w_i b_i v_i / V_c, with V_c the open volume of the cell. b_i is computed from the present
+    /// solids fraction and the gas velocity of the last gas step. `dt` is the length of the next step. Collective.
     ///
     /// Before: halos of the gas are current. After: halos of voidage are current; the gas fills those of the other
     /// fields.

@@ -97,7 +97,7 @@ vectorised!(
 );
 
 vectorised!(
-    /// Number of cells with a voidage that is not above 0 and at most 1.
+    /// Number of cells whose voidage is not above 0 or exceeds 1.
     fn wrong_cells(voidage: &Field, part: &LocalCells) -> u64 {
         let mut wrong = 0;
         for row in Region::owned(part).rows(voidage) {
@@ -109,7 +109,7 @@ vectorised!(
     }
 );
 
-/// A step and its forces, besides those of pressure and particles.
+/// A step and its forces, except those of pressure and particles.
 #[derive(Clone, Copy, Debug)]
 pub struct NavierStokesStep<'a> {
     /// Time at its beginning.

@@ -10,7 +10,7 @@ use crate::numbers::ExactSum;
 use crate::parallel::{CellRecord, CellSample, Communicator};
 use crate::particles::Particles;
 
-/// The gas and its coupling to the particles on one rank's cells. Disposable.
+/// The gas and its coupling to the particles on one rank's cells. It is not part of the state of a run.
 #[derive(Clone, Debug)]
 pub struct VolumeAveragedSolver {
     model: VolumeAveragedModel,

@@ -208,8 +208,8 @@ impl Stress for ShearStress<'_> {
     }
 }
 
-/// [`viscous_rate`] with the largest ratio of voidages of neighbours on this rank's cells. Infinite if one is undefined or
-/// negative.
+/// [`viscous_rate`] with the largest ratio of voidages of neighbours on this rank's cells. Infinite if one is undefined
+/// or negative.
 pub(super) fn largest_viscous_rate(
     voidage: &Field,
     LocalGas { part, gas }: LocalGas,

@@ -15,7 +15,7 @@ use crate::parallel::Communicator;
 pub(super) struct Fields {
     frame: FrameSettings,
     grid: CellGrid,
-    /// As for layers: the number of superposed waves.
+    /// Number of superposed waves, as for layers.
     waves: f64,
     looks_per_row: u64,
     looks: u64,

@@ -9,7 +9,7 @@ use crate::output::checksum::{self, Refusal};
 use crate::output::{MessageResult, OutputError, Provenance, is_error_of_system, on_root};
 use crate::parallel::Communicator;
 
-/// Suffix appended to the name of a checkpoint that belongs to another future.
+/// Suffix appended to the name of a checkpoint of a later step than the one from which a run continues.
 const SUPERSEDED: &str = ".superseded";
 
 /// Result of a search for checkpoints.
@@ -126,8 +126,8 @@ pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(),
     Ok(())
 }
 
-/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that continues from this step leads to
-/// another future, to which they do not belong. Collective.
+/// Renames the checkpoints of steps after `step` to `<name>.superseded`: they do not belong to a run that
+/// continues from this step. Collective.
 ///
 /// # Errors
 /// If the folder cannot be read or a file cannot be renamed.

@@ -1,4 +1,4 @@
-//! Reading of a checkpoint from a file, only if it is exactly what was written.
+//! Reading of a checkpoint from a file, which is accepted only if it is exactly what was written.
 
 use std::ops::Range;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Ghosts on grids of ranks: they move as their originals, and forces on them come back.
+//! Ghosts on grids of ranks: they move like their originals, and forces on them are returned.
 
 use super::*;
 use crate::domain::{Bounds, Decomposition, Face, RankGrid};
@@ -194,7 +194,8 @@ fn a_particle_is_sent_once_to_each_rank_with_copies_of_it() {
     let [[copies, sent, _], [none, ..]] = moved_on([1, 1, 2], true)[..] else { unreachable!() };
     assert!(10 * copies > 17 * sent, "{copies} copies of {sent} particles");
     assert_eq!(none, 0);
-    // On three ranks along x, where only images make second copies, there are at least as many copies as particles sent.
+    // On three ranks along x, where only images make second copies, there are at least as many copies as particles
+    // sent.
     for [copies, sent, _] in moved_on([3, 1, 1], true) {
         assert!(copies >= sent && sent > 0);
     }

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// At most one message. Only the sender fills the mailbox and only the receiver empties it, each after it has checked
-/// that it may.
+/// A buffer for at most one message. Only the sender fills the mailbox and only the receiver empties it, each
+/// after it has checked that it may.
 #[derive(Default)]
 #[repr(align(64))]
 pub(super) struct Mailbox {

@@ -9,7 +9,7 @@ fn message(from: usize, direction: &str) -> Vec<u8> {
 
 #[test]
 fn neighbours_exchange_messages_along_a_periodic_axis() {
-    // With one rank both neighbours are the rank itself, with two both are the other.
+    // With one rank, both neighbours are the rank itself; with two, both are the other rank.
     for n in 1..=4 {
         run_on_threads(n, |ranks| {
             let me = ranks.rank();

@@ -69,7 +69,7 @@ struct Summary {
 /// The nodes whose rendezvous is this rank, by ascending id.
 pub(super) struct Nodes {
     nodes: Vec<Node>,
-    /// By root: smallest id, its image in the frame of the root, windings.
+    /// For each root: the smallest id, its image in the frame of the root, and windings.
     sets: Vec<Summary>,
     /// Number of rounds that were needed.
     pub(super) rounds: u32,

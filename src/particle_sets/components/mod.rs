@@ -105,7 +105,7 @@ impl<'a> NodeIds<'a> {
 
 /// The connected sets of a rank's particles.
 pub(crate) struct ConnectedSets {
-    /// By place of the particle; unset for particles without links.
+    /// An entry for each particle, by its place; unset for particles without links.
     in_set: Vec<InSet>,
     /// The sets, several of which may have the same label: these are parts of a set that are connected on another rank.
     pub(crate) parts: Vec<Part>,

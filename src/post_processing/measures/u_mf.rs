@@ -150,7 +150,7 @@ fn bulk(results: &Results) -> Result<Vec<f64>, Unmeasured> {
         Some(Err(reason)) => return Err(reason.clone().into()),
         Some(Ok(_)) => {}
     }
-    // If a bed in motion has no bulk there is no number; it is needed only for the packed bed.
+    // There is no number if a bed in motion has no bulk; it is needed only for the packed bed.
     let bulk = |time: &f64| rows[nearest(&profiles.times, *time)].clone().unwrap_or(f64::NAN);
     Ok(results.column("time")?.iter().map(bulk).collect())
 }

@@ -31,7 +31,7 @@ impl Pace {
         self.samples.is_empty()
     }
 
-    /// Clears the records: the run has stopped, and a pause tells nothing about its speed.
+    /// Clears the records: the run has stopped, and a pause has no bearing on its speed.
     pub(super) fn forget(&mut self) {
         self.samples.clear();
     }

@@ -15,8 +15,8 @@ const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 /// Time for the drawing thread to leave by itself, which takes a tenth of a second if it can.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Watches the terminal and the flag in a thread of its own. If the terminal has gone or the flag is set, the flag is
-/// set, and the program is ended soon after if it is still running.
+/// Watches the terminal and the flag in a thread of its own. When the terminal goes, the thread sets the flag. Once the
+/// flag is set, the thread ends the program soon after if it is still running.
 pub(super) fn guard(stop: Arc<AtomicBool>) -> io::Result<()> {
     thread::Builder::new().spawn(move || {
         while !stop.load(Ordering::Relaxed) && !has_gone() {}

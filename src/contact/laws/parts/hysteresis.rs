@@ -252,8 +252,8 @@ impl Hysteresis {
     }
 
     /// Energies (k_unload / 2) (delta - delta_p)^2 and (k_t / 2) s^2. On a line of adhesion along which the contact is
-    /// loaded again, the normal part is its value where the line begins, at delta_ad, plus (k_c / 2) (delta_ad^2 -
-    /// delta^2).
+    /// loaded again, the normal part is its value where the line begins, at delta_ad, plus
+    /// (k_c / 2) (delta_ad^2 - delta^2).
     pub(crate) fn stored_energy(&self, overlap: f64, history: &ContactHistory) -> StoredInContact {
         let (unloading, adhesion) = (self.unloading_stiffness, self.adhesion_stiffness);
         let plastic = self.plasticity * history.largest_overlap;
@@ -285,8 +285,9 @@ impl Hysteresis {
         step.tangential_work(&spring) + own
     }
 
-    /// Work along the line of first loading, -(k_load psi_p / 2) (L'^2 - L^2) for a largest overlap that grows from L to
-    /// L', or along the line of adhesion, where it falls: -(k_c k_unload psi_p^2 / (k_unload + k_c) / 2) (L^2 - L'^2).
+    /// Work along the line of first loading, -(k_load psi_p / 2) (L'^2 - L^2) for a largest overlap that grows from L
+    /// to L', or along the line of adhesion, where it falls:
+    /// -(k_c k_unload psi_p^2 / (k_unload + k_c) / 2) (L^2 - L'^2).
     fn plastic_work(&self, before: f64, after: f64) -> f64 {
         let grown = after * after - before * before;
         if grown >= 0.0 {

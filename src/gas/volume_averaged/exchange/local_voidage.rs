@@ -27,7 +27,7 @@ use crate::numbers::Quantum;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 
-/// Solids fractions on finer cells. Disposable.
+/// Solids fractions on finer cells. They are not part of the state of a run.
 #[derive(Clone, Debug)]
 pub(super) struct LocalVoidage {
     transfer: CellTransfer,

@@ -17,7 +17,7 @@ pub(super) struct MeanDiameter {
 }
 
 impl MeanDiameter {
-    /// For cells of this volume, and particles between two diameters.
+    /// Mean diameters for cells of this volume, and particles between two diameters.
     pub(super) fn new(part: &LocalCells, cell_volume: f64, [smallest, largest]: [f64; 2]) -> Self {
         let volume = cell_volume + largest.powi(3);
         // The number of spheres in a cell is at most its volume over that of the smallest sphere.

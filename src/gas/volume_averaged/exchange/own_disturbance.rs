@@ -28,8 +28,8 @@
 //!
 //! which is 1 for a lone particle, 0.2 at phi = 0.2 and 0.01 in a packed bed, where the gas velocity in cells is the
 //! one that closures refer to. The drag of the others also retards the gas, with beta = b phi / V_p in addition to mu
-//! k^2: kappa becomes kappa / (1 + kappa beta / omega), which is right in both limits; omega V is the mean of W^2 (1 -
-//! k_a^2 / k^2).
+//! k^2: kappa becomes kappa / (1 + kappa beta / omega), which is right in both limits; omega V is the mean of
+//! W^2 (1 - k_a^2 / k^2).
 //!
 //! The correction holds for cells of 3 diameters and more, or with a filter of this width. On smaller cells the gas
 //! around the particle is so much slower that the flow is no longer Oseen's, although the speed U' (1 - s) accounts for
@@ -112,7 +112,7 @@ fn of_hats(square: f64) -> f64 {
 }
 
 impl OwnDisturbance {
-    /// For a gas of this density and viscosity on a grid.
+    /// Mobilities for a gas of this density and viscosity on a grid.
     pub(super) fn new(
         grid: &BoxGrid,
         transfer: &CellTransfer,

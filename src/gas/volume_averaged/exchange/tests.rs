@@ -12,7 +12,7 @@ use std::sync::Mutex;
 const COUNTS: [usize; 3] = [7, 5, 12];
 const DIAMETER: f64 = 0.6;
 const MASS: f64 = 0.1;
-/// The step is so short that the drag of the densest finer cells takes less than all of a slip.
+/// Length of the step, so short that the drag of the densest finer cells takes less than the whole slip.
 const STEP: f64 = 1.0e-4;
 const GRAVITY: f64 = 9.81;
 /// Range of the quantum of forces.
