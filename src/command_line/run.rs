@@ -173,8 +173,9 @@ fn resume(
     }
 }
 
-/// The case with which a complete run was computed, if the present one differs from it: repaired results, and the end,
-/// are not those of another case. The division of the box may change. Collective.
+/// The case with which a complete run was computed, if the present one differs from it in more than the title and the
+/// division of the box. The run then keeps that case, so that neither its end nor results that are repaired are those
+/// of another case. Collective.
 fn case_of_complete_run(
     case: &Case,
     folder: &OutputFolder,

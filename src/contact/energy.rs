@@ -134,8 +134,8 @@ impl SpringStep {
     /// Work of dashpot and slider. Energy that the spring loses because its plane turns or it stiffens counts as
     /// friction.
     ///
-    /// While the slider holds, F = -k s - eta v, and the dashpot takes eta v^2 dt. While it slides, the bodies lose -F
-    /// v dt, and the spring stores (k/2) (s'^2 - s^2) of this.
+    /// While the slider holds, F = -k s - eta v, and the dashpot takes eta v^2 dt. While it slides, the bodies lose
+    /// -F v dt, and the spring stores (k/2) (s'^2 - s^2) of this.
     pub(super) fn work(&self, motion: &SpringMotion, dt: f64) -> ContactWork {
         let SpringMotion { before, turned, after, rate, force } = *motion;
         let [stiffness_before, stiffness] = self.stiffness;

@@ -6,13 +6,14 @@ pub(crate) fn any_flagged(flags: &[u64]) -> bool {
     flags.iter().fold(0, |any, flag| any | flag) != 0
 }
 
-/// Index of the first flag that is not 0. Nearly always there is none, which a single test of all flags together shows.
+/// Index of the first flag that is not 0. A single test of all flags together comes first, since nearly always there is
+/// none.
 #[inline(always)]
 pub(crate) fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
     if any_flagged(flags) { search(flags) } else { None }
 }
 
-/// Kept out of line: if it is inlined, the test above is not vectorised.
+/// The search itself. It is not inlined, because the test above would then not be vectorised.
 #[cold]
 #[inline(never)]
 fn search(flags: &[u64]) -> Option<usize> {

@@ -5,8 +5,8 @@
 //! each checkpoint this metadata is copied next to the file, as `<name>.metadata`. A resumed run puts it back and
 //! truncates the file to its length at that time: the file is again the one of the checkpoint. The times of the rows
 //! are copied as well, and the index of snapshots. A resumed run counts the rows by these, and one wrong time would
-//! cost all later rows. The copy is small, 8 bytes for each number of these and some hundred for each 4096 rows of the
-//! others.
+//! cost all later rows. The copy is small: 8 bytes for each of these numbers, and about a hundred for each 4096 rows of
+//! the other datasets.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};

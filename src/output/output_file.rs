@@ -116,8 +116,9 @@ impl Obstacle {
     }
 }
 
-/// Continues a file if there is one, by a function of the length with which it was found. An unusable file is set aside
-/// with a warning, and a new one is begun; one that cannot be read or written is left unchanged.
+/// Continues a file if there is one, and begins one otherwise. `go_on` is called with the length of the file as it was
+/// found. An unusable file is set aside with a warning, and a new one is begun; one that cannot be read or written is
+/// left unchanged.
 ///
 /// # Errors
 /// If the file cannot be read or changed, or a new one cannot be made.

@@ -367,7 +367,7 @@ mod tests {
         assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
     }
 
-    /// Particles that leave a periodic box, and their images inside: no image may move otherwise than its particle.
+    /// Particles that leave a periodic box, and their images inside: no image may move differently from its particle.
     #[test]
     fn a_particle_moves_like_its_periodic_images() {
         let quantum = Quantum::spanning(60.0);

@@ -10,9 +10,9 @@ use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
 use crate::numbers::{F64x4, vectorised};
 use std::ops::Range;
 
-/// Data for building the list and for checking whether it is outdated. It is not part of the state
-/// of a run: a list that is built at another step gives the same bits, because the pairs that act on each other are the
-/// same and force sums are exact.
+/// Data for building the list and for checking whether it is outdated. It is not part of the state of a run: a list
+/// that is built at another step gives the same bits, because the pairs that act on each other are the same and force
+/// sums are exact.
 #[derive(Clone, Debug, Default)]
 pub struct NeighbourList {
     /// Largest possible displacement of a particle since the list was built.

@@ -16,10 +16,10 @@ pub fn attraction_of_bond_number(bond_number: f64, mass: f64, gravity: f64) -> f
 
 /// Hamaker constant A of Bond number 1: A(Bo) = Bo times this, Bo(A) = A over this.
 ///
-/// The Bond number is the ratio of the largest attraction to the weight, Bo = F_max / (m g). With F_max = A r / (12
-/// delta^2) for two particles of radius r = d / 2 and A r / (6 delta^2) for a particle and a wall, A = 12 delta^2 Bo m
-/// g / r and A = 6 delta^2 Bo m g / r (Moon et al. 2006, eq. (4)). delta (`cut_off`) is the separation below which the
-/// attraction no longer grows, d is `diameter`, m g is `weight`.
+/// The Bond number is the ratio of the largest attraction to the weight, Bo = F_max / (m g). With
+/// F_max = A r / (12 delta^2) for two particles of radius r = d / 2 and A r / (6 delta^2) for a particle and a wall,
+/// A = 12 delta^2 Bo m g / r and A = 6 delta^2 Bo m g / r (Moon et al. 2006, eq. (4)). delta (`cut_off`) is the
+/// separation below which the attraction no longer grows, d is `diameter`, m g is `weight`.
 ///
 /// ```
 /// use talcum::rules::{ContactPartner, hamaker_constant_per_bond_number};

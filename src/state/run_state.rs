@@ -33,6 +33,6 @@ pub struct State {
     /// State of the gas, on this rank's cells.
     pub gas: GasState,
     /// Pairs that touched at the last search for agglomerates, where drag depends on them; each pair is on the rank
-    /// that owned its lower id at that time. None before the first search.
+    /// that owned its lower id at that time. `None` before the first search.
     pub looked_at: Option<Vec<Pair>>,
 }

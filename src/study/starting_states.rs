@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// The states with which the runs of a study may begin; empty if it has no `[start]`.
 ///
 /// # Errors
-/// If the other study is rejected, is more than replicates of one run, or lacks a seed of this study.
+/// If the other study is rejected, contains more than replicates of one run, or lacks a seed of this study.
 pub(crate) fn starting_states(
     study: &Study,
     checker: &dyn CaseChecker,

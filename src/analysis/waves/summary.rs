@@ -12,7 +12,7 @@ use super::scale::{LEAST_PART, Scale, find_scale};
 use super::voids::{Expected, TrackedVoids, track_voids};
 use crate::analysis::no_value::{Estimate, NoValue};
 
-/// Fraction of a bed from which on all of it counts as having waves.
+/// Least fraction of a bed with waves for which the whole bed counts as having waves.
 const WHOLE: f64 = 0.9;
 /// Fraction of the material that waves must sweep if no window shows waves: gaps that open in beds without waves reach
 /// up to 0.15.
@@ -162,8 +162,8 @@ pub(super) fn map_rows(rows: &Rows, options: &WaveOptions) -> Result<WaveMap, No
     })
 }
 
-/// Activity: places where the field varies, over the period of the waves, as it does where they travel; `None` if they
-/// travel hardly anywhere.
+/// The activity over the period of the waves: the places at which the field varies as it does where waves travel.
+/// `None` if they travel hardly anywhere.
 fn activity(
     rows: &Rows,
     examined: &[Examined],

@@ -13,7 +13,7 @@ use crate::state::SizeRange;
 
 /// Solids fractions of settled beds for which the minimum fluidisation velocity is printed.
 const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
-/// Ratio of solid to gas density below which the gas is rather a liquid, whose added mass and lubrication are not
+/// Ratio of solid to gas density below which the gas behaves like a liquid, whose added mass and lubrication are not
 /// modelled.
 const LEAST_DENSITY_RATIO: f64 = 10.0;
 /// Excess of the fall velocity of a lone particle above which a warning is printed.

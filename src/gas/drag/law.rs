@@ -51,6 +51,6 @@ pub trait RegisteredDragLaw: DragCorrelation + Sized {
     /// The law with these values; `None` if one is missing or wrong.
     fn from_keys(values: &dyn KeyValues) -> Option<Self>;
 
-    /// At least one law; one for each choice that the law offers.
+    /// Example laws: at least one, and one for each choice that the law offers.
     fn examples() -> Vec<Self>;
 }

@@ -7,8 +7,8 @@
 //! -\rho \left[ \nabla \cdot (\mathbf{G} u_a) - u_a \nabla \cdot \mathbf{G} \right]
 //! ```
 //!
-//! Discrete continuity is d(eps)/dt + div G = 0 in cells, and so in the mean of two. With it, the bracket equals d(eps
-//! u_a)/dt + div(G u_a) less eps d(u_a)/dt. It is zero for a uniform velocity, even if the voidage changes, and
+//! Discrete continuity is d(eps)/dt + div G = 0 in cells, and so in the mean of two. With it, the bracket equals
+//! d(eps u_a)/dt + div(G u_a) less eps d(u_a)/dt. It is zero for a uniform velocity, even if the voidage changes, and
 //! conserves momentum where the voidage is steady.
 //!
 //! u_a in the faces between is interpolated by the limiter of Koren: of third order where the profile is smooth and

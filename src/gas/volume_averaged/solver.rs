@@ -62,7 +62,7 @@ impl VolumeAveragedSolver {
         self.equations.fill_halos(&self.model.gas, &mut state.fields, ranks);
     }
 
-    /// Does a step of the gas, and sets the forces on particles until the next one. Collective.
+    /// Advances the gas by a step, and sets the forces on particles until the next one. Collective.
     ///
     /// The gas step uses the present positions and velocities of the particles; its drag is implicit in its own
     /// velocity. The forces follow from its new velocity and pressure, so that particles gain the momentum that the gas

@@ -24,7 +24,7 @@ impl FromStr for Address {
     }
 }
 
-/// Whether a request was made to this server under one of its own names. A foreign page may let its own name lead to
+/// Whether a request was made to this server under one of its own names. A foreign page may make its own name resolve to
 /// this machine and so read data that only this machine may read; but its requests then carry that name.
 pub(super) fn is_own_host(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
