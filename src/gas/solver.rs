@@ -113,8 +113,8 @@ impl GasSolver {
         }
     }
 
-    /// Does a step of the gas with the present particles. `bed` are their sums over all ranks, if these have been found
-    /// by [`GasSolver::sum_bed`] since the particles moved or changed their ranks. Collective.
+    /// Advances the gas by a step with the present particles. `bed` are their sums over all ranks, if these have been
+    /// found by [`GasSolver::sum_bed`] since the particles moved or changed their ranks. Collective.
     ///
     /// # Errors
     /// If the step is not possible or a force exceeds its limit; may differ between ranks.

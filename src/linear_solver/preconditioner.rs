@@ -87,7 +87,7 @@ impl Preconditioner {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Preconditioned<'a> {
     solution: &'a Field<f32>,
-    /// A power of two.
+    /// Factor by which `solution` is multiplied to give z; a power of two.
     scale: f64,
 }
 

@@ -71,7 +71,7 @@ fn agreed<T>(
     agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), message: error.0 })
 }
 
-/// Does on rank 0 what is not done together; the others wait and are informed of errors. Collective.
+/// Does work on rank 0 that ranks do not share; the others wait and are informed of errors. Collective.
 pub(crate) fn on_root<T>(
     path: &Path,
     ranks: &dyn Communicator,

@@ -9,10 +9,10 @@ pub(crate) fn kick(particles: &mut Particles, dt: f64) {
     integrate(particles, KickDrift { pending: None, dt, drift: None });
 }
 
-/// Does half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then
+/// Applies half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then
 /// those of the half step, which dashpots, sliders and the gas use. Forces are set to the weight and to the force of a
 /// volume-averaged gas at its last step; all other forces are still to be added. The second half of the previous step's
-/// kick, of length `pending`, is done first if it is still due, so that one pass through memory suffices. Returns an
+/// kick, of length `pending`, is applied first if it is still due, so that one pass through memory suffices. Returns an
 /// upper bound of the displacements of all particles; infinite if a velocity is undefined.
 ///
 /// The displacement is rounded, not the sum. A sum of doubles would first be rounded to digits that depend on its

@@ -31,7 +31,7 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Does one step of length `models.physics.time_step`. Collective.
+    /// Advances the bed by one step of length `models.physics.time_step`. Collective.
     ///
     /// # Errors
     /// If a force or a speed is not meaningful, or a particle passes a face of kind
@@ -40,7 +40,7 @@ impl Run<'_> {
         self.steps(1)
     }
 
-    /// Does `count` steps. Collective.
+    /// Advances the bed by `count` steps. Collective.
     ///
     /// # Errors
     /// The errors of [`Run::step`].

@@ -142,7 +142,8 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Does one step and writes the output that is due after it. Returns whether the run was asked to stop. Collective.
+    /// Advances the run by one step and writes the output that is due after it. Returns whether the run was asked to
+    /// stop. Collective.
     pub(super) fn step(&mut self) -> Result<bool, RunError> {
         self.enter_stage()?;
         let domain = &self.case.domain;

@@ -114,7 +114,7 @@ pub fn start_from_case(
     Ok(InitialState { begins_with, ..initial })
 }
 
-/// The state of a checkpoint; `continues` tells whether earlier results are in the output folder. Collective.
+/// The state of a checkpoint; `continues` is set if the results in the output folder are continued. Collective.
 ///
 /// # Errors
 /// If the ranks cannot divide it, or it does not fit the case.

@@ -38,8 +38,8 @@ pub(super) fn find_agglomerates(
     }
 }
 
-/// Does a step of the gas, if one is due, from the particles as they are now, with the sums of [`start_bed_sum`] if
-/// these are still valid. Collective.
+/// Advances the gas by a step, if one is due, from the present particles, with the sums of [`start_bed_sum`] if these
+/// are still valid. Collective.
 pub(super) fn advance_gas(
     bed: BedSum<'_>,
     state: &mut State,

@@ -24,8 +24,8 @@ impl FromStr for Address {
     }
 }
 
-/// Whether a request was made to this server under one of its own names. A foreign page may make its own name resolve to
-/// this machine and so read data that only this machine may read; but its requests then carry that name.
+/// Whether a request was made to this server under one of its own names. A foreign page may make its own name resolve
+/// to this machine and so read data that only this machine may read; but its requests then carry that name.
 pub(super) fn is_own_host(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.bytes().all(|digit| digit.is_ascii_digit()) => name,
