@@ -35,8 +35,8 @@ pub fn sort_by_id<T: Pod>(
 }
 
 /// Sorts records as [`sort_by_id`] does, but chunk by chunk: `take` receives this rank's share of the first chunk of
-/// ids, then of the next. Only the records of one chunk are copied at a time, never all. Offsets and totals are those of the
-/// whole table. This call is collective.
+/// ids, then of the next. Only the records of one chunk are copied at a time, never all. Offsets and totals are those
+/// of the whole table. This call is collective.
 pub fn sort_by_id_in_chunks<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],

@@ -4,7 +4,7 @@ use crate::analysis::Measures;
 use crate::output::readers::SeriesTable;
 use anyhow::bail;
 
-/// The default columns: of each row, the first column with data worth drawing.
+/// The default columns: for each row, the first column with data worth drawing.
 const DEFAULTS: [&[&str]; 4] = [
     &["grid_pressure_drop", "gas_force", "plate_stress"],
     &["bed_top", "centre_height"],
