@@ -1,8 +1,8 @@
 //! Whether a value is what its key allows, and the sentence that says what is allowed.
 
-use super::suggestion::nearest;
 use super::tree::{Node, Value};
 use super::wall_time;
+use crate::schema::text::nearest;
 use crate::schema::{Allowed, Key, Kind, Word};
 
 /// A number for people: 9 digits.

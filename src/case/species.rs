@@ -3,19 +3,11 @@
 use super::merging::merge;
 use super::mixing::{mixed, with_changes};
 use super::section::Section;
-use super::suggestion::nearest;
 use super::tree::{Node, Value};
+use crate::beds::Species;
 use crate::contact::{ByPair, BySpecies};
 use crate::schema::Key;
-
-/// A species as the case names it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Species {
-    /// Its name.
-    pub name: String,
-    /// Its solid density, if it is not that of the case.
-    pub density: Option<f64>,
-}
+use crate::schema::text::nearest;
 
 /// The species, with the nodes that say what differs.
 pub(super) struct SpeciesSections<'a> {
