@@ -123,7 +123,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..SnapshotFormat::default()
     };
     let path = Path::new(&folder).join("particles.vtkhdf");
-    let mut snapshots = ParticleSnapshots::create(&path, head, &format, &ranks)?;
+    let mut snapshots = ParticleSnapshots::open(&path, &format, head, None, &ranks)?;
 
     let mut run = setup.start(grid, &ranks)?;
     run.steps(10_000)?;

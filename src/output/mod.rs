@@ -12,7 +12,6 @@ mod contact_lines;
 mod energy_table;
 mod gas_snapshots;
 mod hdf5_file;
-mod image_file;
 pub(crate) mod lock;
 mod measure_file;
 mod measure_output;
@@ -29,6 +28,7 @@ mod standard_output;
 mod table;
 mod text_table;
 mod units;
+mod vtkhdf;
 mod wall_force_table;
 mod whole_file;
 

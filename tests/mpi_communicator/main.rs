@@ -272,14 +272,13 @@ fn write(ranks: &MpiRanks, folder: &Path) {
     assert!(refused.unwrap_err().message.contains("HDF5 says"));
     let path = folder.join(format!("particles-{}.vtkhdf", ranks.size()));
     let head = Head { case_text: "", provenance: &provenance };
-    let mut snapshots =
-        ParticleSnapshots::create(&path, head, &SnapshotFormat::default(), ranks).unwrap();
+    let format = SnapshotFormat::default();
+    let mut snapshots = ParticleSnapshots::open(&path, &format, head, None, ranks).unwrap();
     for (step, count) in COUNTS.into_iter().enumerate() {
         snapshots.append(step as f64, &share(count, ranks).particles, &[], ranks).unwrap();
     }
     snapshots.commit(ranks).unwrap();
-    let mut snapshots =
-        ParticleSnapshots::resume(&path, 1.0, head, &SnapshotFormat::default(), ranks).unwrap();
+    let mut snapshots = ParticleSnapshots::open(&path, &format, head, Some(1.0), ranks).unwrap();
     snapshots.append(2.0, &share(3, ranks).particles, &[], ranks).unwrap();
 }
 

@@ -175,8 +175,8 @@ fn bubbles_rise_as_they_were_drawn() {
     let grid = BoxGrid::new(&Bounds::new(Vector3::new(5.0, 5.0, 60.0), faces), [10, 10, 120]);
     let head = Head { case_text: &case, provenance: &provenance };
     let path = made.path().join("gas.vtkhdf");
-    let file =
-        GasSnapshots::create(&path, (&grid, SnapshotStorage::default()), head, &OneRank).unwrap();
+    let fields = (&grid, SnapshotStorage::default());
+    let mut file = GasSnapshots::open(&path, fields, head, None, &OneRank).unwrap();
     let (radius, speed) = (1.7, 0.8);
     for number in 0..30_u32 {
         let time = 0.5 * f64::from(number);
