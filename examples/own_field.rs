@@ -53,10 +53,8 @@ fn setup() -> Result<Setup, Box<dyn std::error::Error>> {
     let law = LinearSpringDashpot::new(1.0e4, 8.2e3, 0.7, 0.3, FrictionCap::Contact)?;
     let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall, Face::Open]];
     let layers = Layers { count: 300, spacing: 1.1, jitter: 0.04, seed: 1, ..Layers::default() };
-    let temperature = |particle: &ParticleRecord| match particle.position[2] < 4.0 {
-        true => 400.0,
-        false => 300.0,
-    };
+    let temperature =
+        |particle: &ParticleRecord| if particle.position[2] < 4.0 { 400.0 } else { 300.0 };
     Ok(Setup::new([6.0, 6.0, 30.0], faces, Physics::new(law, 4.0e-4))?
         .gravity(1.0)
         .layers(&layers)

@@ -91,12 +91,11 @@ impl<'a> SpeciesSections<'a> {
     /// A section as it is for each species; as it is if there are none.
     pub(super) fn section_of_each(&self, shared: SharedSection<'_>) -> Vec<Node> {
         let SharedSection { name, keys, base } = shared;
-        match self.nodes.is_empty() {
-            true => vec![base.clone()],
-            false => {
-                let changes = self.nodes.iter().map(|node| node.get(name));
-                changes.map(|change| with_changes(base, change, keys)).collect()
-            }
+        if self.nodes.is_empty() {
+            vec![base.clone()]
+        } else {
+            let changes = self.nodes.iter().map(|node| node.get(name));
+            changes.map(|change| with_changes(base, change, keys)).collect()
         }
     }
 
@@ -114,9 +113,10 @@ impl<'a> SpeciesSections<'a> {
     ) -> Option<ByPair<T>> {
         let nodes = self.section_of_each(shared);
         ByPair::of_species_if(nodes.len(), |one, other| {
-            let node = match one == other {
-                true => nodes[one].clone(),
-                false => self.section_of_pair(root, shared, [one, other], &nodes)?,
+            let node = if one == other {
+                nodes[one].clone()
+            } else {
+                self.section_of_pair(root, shared, [one, other], &nodes)?
             };
             read(&Section::open(&node, shared.keys, root.problems)?, [one, other])
         })

@@ -83,9 +83,10 @@ pub(crate) fn on_root<T>(
 
 /// An error unless a path leads to a file: to open a pipe is to wait for its other end, perhaps without end.
 pub(crate) fn require_file(path: &Path) -> std::io::Result<()> {
-    match std::fs::metadata(path)?.is_file() {
-        true => Ok(()),
-        false => Err(std::io::Error::other("this is not a file")),
+    if std::fs::metadata(path)?.is_file() {
+        Ok(())
+    } else {
+        Err(std::io::Error::other("this is not a file"))
     }
 }
 

@@ -321,10 +321,8 @@ fn open(ranks: &MpiRanks, folder: &Path) {
 fn names_below(folder: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
-    paths
-        .flat_map(|path| match path.is_dir() {
-            true => names_below(&path),
-            false => vec![path.display().to_string()],
-        })
-        .collect()
+    let names = |path: PathBuf| {
+        if path.is_dir() { names_below(&path) } else { vec![path.display().to_string()] }
+    };
+    paths.flat_map(names).collect()
 }

@@ -97,9 +97,10 @@ impl ParticleDrag {
 fn brinkman_factor(ratio: f64) -> f64 {
     let square = ratio * ratio;
     // The difference has lost its digits: its series, good to a part in 10^8 there.
-    let inside = match ratio < 0.01 {
-        true => square / 3.0 * (1.0 - 0.4 * square),
-        false => 1.0 - libm::tanh(ratio) / ratio,
+    let inside = if ratio < 0.01 {
+        square / 3.0 * (1.0 - 0.4 * square)
+    } else {
+        1.0 - libm::tanh(ratio) / ratio
     };
     2.0 * square * inside / (2.0 * square + 3.0 * inside)
 }

@@ -453,9 +453,10 @@ impl<'r> SharedFile<'r> {
 /// How ranks share a file. MPI-IO takes what stands before the first colon of a path for a kind of file system, and cuts it
 /// off: such a file is left to rank 0.
 fn access_to(path: &Path, ranks: &dyn Communicator) -> FileAccess {
-    match path.as_os_str().as_encoded_bytes().contains(&b':') {
-        true => FileAccess::Root,
-        false => ranks.file_access(path),
+    if path.as_os_str().as_encoded_bytes().contains(&b':') {
+        FileAccess::Root
+    } else {
+        ranks.file_access(path)
     }
 }
 
