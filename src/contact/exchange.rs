@@ -12,7 +12,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A law of the exchange between touching particles. `examples/own_field.rs` is one: conduction of heat.
+/// A law of the exchange between touching particles. `examples/custom_field.rs` is one: conduction of heat.
 pub trait ContactExchange: Debug + Send + Sync {
     /// The field that is exchanged, one number for each particle.
     fn field(&self) -> Field;

@@ -84,13 +84,13 @@ impl Columns {
     }
 
     /// The columns of custom fields; what is returned at each step is none of them, since it is zero between steps.
-    pub fn own(&self) -> impl Iterator<Item = &Column> {
+    pub fn custom(&self) -> impl Iterator<Item = &Column> {
         self.0[BUILT_IN..].iter().filter(|column| column.travel() != Travel::Returned)
     }
 
     /// Numbers that a particle has in them.
-    pub(crate) fn own_width(&self) -> usize {
-        self.own().map(|column| column.width).sum()
+    pub(crate) fn custom_width(&self) -> usize {
+        self.custom().map(|column| column.width).sum()
     }
 
     pub(super) fn own_mut(&mut self) -> impl Iterator<Item = &mut Column> {

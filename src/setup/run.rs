@@ -160,7 +160,7 @@ impl Run<'_> {
             departed: *departed,
             sizes: *sizes,
             particles: self.particles().collect(),
-            own: particles.own_fields(),
+            custom: particles.custom_fields(),
             pairs,
             walls,
             cells: self.work.gas.records(gas, self.ranks),

@@ -303,7 +303,7 @@ impl<'a> Simulation<'a> {
             case_text: case.text.clone(),
             case_folder: folder.case_folder.display().to_string(),
             particles: records(case, state),
-            own: state.particles.own_fields(),
+            custom: state.particles.custom_fields(),
             contacts: pairs,
             wall_contacts: walls,
             cells: work.gas.records(&state.gas, *ranks),

@@ -22,7 +22,7 @@ use talcum::parallel::{
     Communicator, ContactRecord, FileAccess, Message, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
-use talcum::particles::OwnFields;
+use talcum::particles::CustomFields;
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
 
 /// Environment variable with the role of a rank: what it does.
@@ -243,7 +243,7 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         case_text: "title = \"A bed\"".to_owned(),
         case_folder: String::new(),
         particles: (0..count).filter(mine).map(particle).collect(),
-        own: OwnFields::default(),
+        custom: CustomFields::default(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),

@@ -22,9 +22,9 @@ fn after(bench: &Bench, grid: [usize; 3], steps: u64) -> Snapshot {
 
 /// Digest of a whole state.
 fn digest(state: &Snapshot) -> Digest {
-    let Snapshot { particles, own, pairs, walls, cells, clock, .. } = state;
+    let Snapshot { particles, custom, pairs, walls, cells, clock, .. } = state;
     let records = StateRecords {
-        own,
+        custom,
         particles: &particles[..],
         contacts: pairs,
         wall_contacts: walls,

@@ -1,7 +1,7 @@
-//! A quantity of your own, outside of the crate: heat is conducted between touching spheres.
+//! A custom field, a quantity outside of the crate: heat is conducted between touching spheres.
 //!
-//! Run it with `cargo build --release --example own_field` and then
-//! `mpirun -n 2 target/release/examples/own_field results/heat`: the same digest on any number of ranks, and through a restart.
+//! Run it with `cargo build --release --example custom_field` and then
+//! `mpirun -n 2 target/release/examples/custom_field results/heat`: the same digest on any number of ranks, and through a restart.
 //!
 //! The temperature of a particle goes with it from rank to rank, is known to ghosts at each step, and is in snapshots
 //! (`particles.vtkhdf`, for ParaView) and in checkpoints (`/particles/temperature`).
@@ -67,7 +67,7 @@ fn write_snapshot(
     run: &Run,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let particles: Vec<ParticleRecord> = run.particles().collect();
-    let temperatures = run.state.particles.own_fields().column(0);
+    let temperatures = run.state.particles.custom_fields().column(0);
     Ok(file.append(run.time(), &particles, &[temperatures], run.ranks)?)
 }
 
@@ -80,7 +80,7 @@ fn checkpoint_of(part: Snapshot) -> Checkpoint {
         case_text: String::new(),
         case_folder: String::new(),
         particles: part.particles,
-        own: part.own,
+        custom: part.custom,
         contacts: part.pairs,
         wall_contacts: part.walls,
         cells: part.cells,
@@ -98,7 +98,7 @@ fn snapshot_of(part: Checkpoint) -> Snapshot {
         departed: part.departed,
         sizes: part.sizes,
         particles: part.particles,
-        own: part.own,
+        custom: part.custom,
         pairs: part.contacts,
         walls: part.wall_contacts,
         cells: part.cells,
@@ -142,7 +142,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     write_snapshot(&mut snapshots, &run)?;
 
     // Each particle has the same heat capacity: the sum of temperatures is the heat of the bed.
-    let mut heat = [run.state.particles.own_fields().column(0).iter().sum::<f64>() as i64];
+    let mut heat = [run.state.particles.custom_fields().column(0).iter().sum::<f64>() as i64];
     ranks.sum_integers(&mut heat);
     let digest = run.digest()?;
     if ranks.is_root() {

@@ -1,4 +1,4 @@
-//! Laws from outside the crate in a case that was read from a file.
+//! Custom laws, from outside the crate, in a case that was read from a file.
 
 use super::Case;
 use crate::contact::{ContactLaw, ContactModel};

@@ -1,6 +1,6 @@
 //! A number of one's own as a table: how many particles touch the plate, and the kinetic energy, at intervals.
 //!
-//! Run it with `cargo run --release --example own_output -- table.csv`.
+//! Run it with `cargo run --release --example custom_output -- table.csv`.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
