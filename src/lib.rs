@@ -84,7 +84,7 @@
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
 //! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
-//! [`parallel`], [`particle_sets`], [`timers`]. Around them: [`analysis`], [`beds`], [`setup`], [`output`], [`case`],
+//! [`parallel`], [`particle_sets`], [`timers`], [`balance`]. Around them: [`analysis`], [`beds`], [`setup`], [`output`], [`case`],
 //! [`simulation`], [`post_processing`], [`study`], [`command_line`].
 //!
 //! # References
@@ -111,6 +111,7 @@
 //!   (2015).
 
 pub mod analysis;
+pub mod balance;
 pub mod beds;
 pub mod case;
 pub mod command_line;

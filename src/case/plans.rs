@@ -2,8 +2,8 @@
 
 use super::context::require_a_step;
 use super::section::Section;
+use crate::balance::Balance;
 use crate::domain::RankGrid;
-use crate::state::Balance;
 use std::time::Duration;
 
 /// Intervals of results, in simulated time; `None`: not written.

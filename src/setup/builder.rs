@@ -1,13 +1,14 @@
 //! What is chosen before a run, and its start.
 
 use super::{Layers, Layout, Run, SetupError, Snapshot, Sphere};
+use crate::balance::Balance;
 use crate::contact::{ByPair, BySpecies, ContactExchange, ContactModel, VanDerWaals};
 use crate::domain::{Bounds, Face, RankGrid, Vibration, Wall};
 use crate::fields::{Field, Travel};
 use crate::gas::GasModel;
 use crate::parallel::{Communicator, OneRank, ParticleRecord};
 use crate::particles::{CustomFields, ListRange, Skin};
-use crate::state::{Balance, Domain, Models, Physics, SizeRange, Workspace};
+use crate::state::{Domain, Models, Physics, SizeRange, Workspace};
 use crate::time_step::{begin, find_first_forces};
 
 /// A bed before its start: a box, what acts on the particles, and the particles. All ranks build the same.

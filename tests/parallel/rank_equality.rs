@@ -9,9 +9,9 @@ use crate::dense_beds::{bed_of_two_species, polydisperse_bed, vibrated_bed};
 use std::collections::BTreeSet;
 use std::time::Instant;
 use talcum::analysis::{Digest, StateRecords};
+use talcum::balance::Balance;
 use talcum::domain::{EffectiveGravity, RankGrid};
 use talcum::parallel::{OneRank, run_on_threads};
-use talcum::state::Balance;
 
 const STEPS: u64 = 3000;
 
