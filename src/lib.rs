@@ -82,10 +82,10 @@
 //!
 //! # Modules
 //!
-//! [`time_step`] reads like the method section of a paper; [`state`] describes the data on which it works. Below them
-//! are [`numbers`], [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`],
-//! [`gas`], [`coupling`], [`parallel`], [`particle_sets`] and [`timers`]. Around them are [`analysis`], [`setup`],
-//! [`output`], [`case`], [`simulation`], [`post_processing`], [`study`] and [`command_line`].
+//! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
+//! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
+//! [`parallel`], [`particle_sets`], [`timers`], [`balance`]. Around them: [`analysis`], [`beds`], [`setup`], [`output`], [`case`],
+//! [`simulation`], [`post_processing`], [`study`], [`command_line`].
 //!
 //! # References
 //!
@@ -111,6 +111,8 @@
 //!   (2015).
 
 pub mod analysis;
+pub mod balance;
+pub mod beds;
 pub mod case;
 pub mod command_line;
 pub mod contact;

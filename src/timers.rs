@@ -132,9 +132,10 @@ impl RecentDurations {
 
     /// Adds the duration of one step.
     pub fn note(&mut self, took: Duration) {
-        match self.kept.len() < Self::MOST {
-            true => self.kept.push(took),
-            false => self.kept[self.count % Self::MOST] = took,
+        if self.kept.len() < Self::MOST {
+            self.kept.push(took)
+        } else {
+            self.kept[self.count % Self::MOST] = took
         }
         self.count += 1;
     }

@@ -55,10 +55,10 @@ fn run_a_bed_prints_how_a_bed_settles() {
 }
 
 #[test]
-fn own_output_writes_a_row_for_each_interval() {
+fn custom_output_writes_a_row_for_each_interval() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("table.csv");
-    run("own_output", 0, &[path.to_str().unwrap()]);
+    run("custom_output", 0, &[path.to_str().unwrap()]);
     let table = std::fs::read_to_string(path).unwrap();
     assert!(table.starts_with("time,touching,kinetic_energy\n"), "{table}");
     let rows = rows(&table);
@@ -68,8 +68,8 @@ fn own_output_writes_a_row_for_each_interval() {
 }
 
 #[test]
-fn own_contact_law_returns_the_speed() {
-    let output = run("own_contact_law", 0, &[]);
+fn custom_contact_law_returns_the_speed() {
+    let output = run("custom_contact_law", 0, &[]);
     assert!(output.starts_with("met at a speed of 2, separated at "), "{output}");
 }
 
@@ -96,12 +96,12 @@ fn on_mpi_ranks_prints_the_same_digest_on_one_and_two_ranks() {
 }
 
 #[test]
-fn own_field_has_one_answer_on_any_ranks_and_through_a_restart() {
+fn custom_field_has_one_answer_on_any_ranks_and_through_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     let outputs: Vec<String> = (1..=4)
         .map(|ranks| {
             let results = folder.path().join(ranks.to_string());
-            run("own_field", ranks, &[results.to_str().unwrap()])
+            run("custom_field", ranks, &[results.to_str().unwrap()])
         })
         .collect();
     assert!(outputs.iter().all(|output| *output == outputs[0]), "{outputs:?}");

@@ -11,7 +11,7 @@ use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particle_sets::Pair;
-use crate::particles::{ContactState, OwnFields};
+use crate::particles::{ContactState, CustomFields};
 use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and contact histories.
@@ -35,7 +35,7 @@ pub struct StateRecords<'a, P: ?Sized> {
     /// Particles, positions wrapped into the box.
     pub particles: &'a P,
     /// Custom fields of these particles, in the same order.
-    pub own: &'a OwnFields,
+    pub custom: &'a CustomFields,
     /// Touching pairs.
     pub contacts: &'a [ContactRecord],
     /// Particles that touch a wall.
@@ -58,14 +58,15 @@ impl Digest {
         records: &StateRecords<'_, impl Records<ParticleRecord> + ?Sized>,
         ranks: &dyn Communicator,
     ) -> Self {
-        let StateRecords { particles, own, contacts, wall_contacts, cells, looked_at } = *records;
+        let StateRecords { particles, custom, contacts, wall_contacts, cells, looked_at } =
+            *records;
         let mut sums = [
             sum(b'p', (1, ParticleRecord::FIELDS), particles),
             sum(b'c', (2, ContactState::FIELDS), contacts),
             sum(b'w', (2, ContactState::FIELDS), wall_contacts),
             sum(b'g', (1, CellRecord::FIELDS), cells),
             sum(b'l', (2, &[]), looked_at),
-            sum_of_own(particles, own),
+            sum_of_custom(particles, custom),
         ]
         .concat();
         ranks.sum_integers(&mut sums);
@@ -125,18 +126,21 @@ fn optional_widths(fields: &[Field]) -> Vec<usize> {
     widths
 }
 
-/// Number of non-zero values of custom fields, and sum of the hashes of each with its particle's id and the name of its
-/// field: the order of the fields does not matter.
-fn sum_of_own(particles: &(impl Records<ParticleRecord> + ?Sized), own: &OwnFields) -> [i64; 3] {
+/// Number of values of custom fields that are not zero, and sum of the hashes of each with its particle's id and the name of its
+/// field: in whatever order the fields are.
+fn sum_of_custom(
+    particles: &(impl Records<ParticleRecord> + ?Sized),
+    custom: &CustomFields,
+) -> [i64; 3] {
     let mut sum = [0; 3];
-    for (number, field) in own.fields.iter().enumerate() {
-        let numbers = own.column(number);
-        add_own_field(&mut sum, particles, (field, &numbers));
+    for (number, field) in custom.fields.iter().enumerate() {
+        let numbers = custom.column(number);
+        add_custom_field(&mut sum, particles, (field, &numbers));
     }
     sum
 }
 
-fn add_own_field(
+fn add_custom_field(
     sum: &mut [i64; 3],
     particles: &(impl Records<ParticleRecord> + ?Sized),
     (field, numbers): (&Field, &[f64]),
@@ -235,9 +239,9 @@ mod tests {
     }
 
     fn of_particles(particles: &[ParticleRecord]) -> StateRecords<'_, [ParticleRecord]> {
-        static NONE: OwnFields = OwnFields { fields: Vec::new(), numbers: Vec::new() };
+        static NONE: CustomFields = CustomFields { fields: Vec::new(), numbers: Vec::new() };
         let (contacts, wall_contacts, cells, looked_at) = (&[], &[], &[], &[]);
-        StateRecords { particles, own: &NONE, contacts, wall_contacts, cells, looked_at }
+        StateRecords { particles, custom: &NONE, contacts, wall_contacts, cells, looked_at }
     }
 
     fn digest_at(
@@ -259,7 +263,7 @@ mod tests {
         let looked_at: Vec<_> = (0..7).map(|lower| Pair { lower, higher: 9 }).collect();
         let whole = StateRecords {
             particles: &particles[..],
-            own: &OwnFields::default(),
+            custom: &CustomFields::default(),
             contacts: &contacts,
             wall_contacts: &walls,
             cells: &cells,
@@ -274,7 +278,7 @@ mod tests {
                 }
                 let records = StateRecords {
                     particles: &share(&particles, ranks),
-                    own: &OwnFields::default(),
+                    custom: &CustomFields::default(),
                     contacts: &share(&contacts, ranks),
                     wall_contacts: &share(&walls, ranks),
                     cells: &share(&cells, ranks),

@@ -115,9 +115,9 @@ measures! {
     /// Largest component of d(momentum)/dt less the external forces, over the last step, over weight.
     momentum_error: Number = |it| it.over_weight(it.momentum_imbalance);
     /// Volume of solids on the grid over that of the particles, less 1.
-    mass_error: Number = |it| match it.particles.volume > 0.0 {
-        true => it.volume_on_grid / it.particles.volume - 1.0,
-        false => 0.0,
+    mass_error: Number = |it| {
+        let volume = it.particles.volume;
+        if volume > 0.0 { it.volume_on_grid / volume - 1.0 } else { 0.0 }
     };
     /// Number of particles.
     particles: Number = |it| it.particles.count;

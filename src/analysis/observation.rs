@@ -103,9 +103,10 @@ impl Observation {
             before.largest_imbalance(&after, external.total, models.physics.time_step)
         };
         let momentum = after.momentum();
-        let mean_energy = match particles.mass > 0.0 {
-            true => 0.5 * momentum.iter().map(|p| p * p).sum::<f64>() / particles.mass,
-            false => 0.0,
+        let mean_energy = if particles.mass > 0.0 {
+            0.5 * momentum.iter().map(|p| p * p).sum::<f64>() / particles.mass
+        } else {
+            0.0
         };
         let gas = work.gas.observables(&state.gas, ranks);
         let (bed_bottom, bed_top) = profile.bottom_and_top();

@@ -1,8 +1,8 @@
 //! Checks of values against their keys, and descriptions of the allowed values.
 
-use super::suggestion::nearest;
 use super::tree::{Node, Value};
 use super::wall_time;
+use crate::schema::text::nearest;
 use crate::schema::{Allowed, Key, Kind, Word};
 
 /// A number rounded to 9 digits for output.
@@ -30,9 +30,10 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
         },
         Kind::Counts(least, most) => {
             let counts = node.as_list(Node::as_count).filter(|counts| counts.len() == 3);
-            match counts.ok_or_else(must)?.iter().all(|count| (*least..=*most).contains(count)) {
-                true => Ok(()),
-                false => Err(format!("each must be between {least} and {most}")),
+            if counts.ok_or_else(must)?.iter().all(|count| (*least..=*most).contains(count)) {
+                Ok(())
+            } else {
+                Err(format!("each must be between {least} and {most}"))
             }
         }
         Kind::Vector(allowed, length) => check_numbers(*allowed, Some(*length), kind, node),
@@ -89,9 +90,10 @@ fn check_numbers(
     if length.is_some_and(|length| length != numbers.len()) {
         return Err(format!("must be {}", description(kind)));
     }
-    match numbers.iter().all(|&number| allowed.check(number).is_ok()) {
-        true => Ok(()),
-        false => Err(format!("each must be {allowed}")),
+    if numbers.iter().all(|&number| allowed.check(number).is_ok()) {
+        Ok(())
+    } else {
+        Err(format!("each must be {allowed}"))
     }
 }
 

@@ -2,10 +2,9 @@
 //!
 //! The rest of the case describes particles and is read accordingly; the models for the parcels follow from it.
 
-use super::particles::{Amount, BedStart, ParticleSetup};
 use super::section::Section;
-use super::sizes::{SizeClass, SizeDistribution};
 use super::{Case, Stage};
+use crate::beds::{Amount, BedStart};
 use crate::contact::{CoarseGraining, Kept};
 
 /// `[coarse_graining]`: the case of the parcels.
@@ -42,57 +41,5 @@ impl Case {
     /// parcel divided by l.
     pub fn particle_diameter(&self, diameter: f64) -> f64 {
         self.coarse_graining.map_or(diameter, |parcels| diameter / parcels.length())
-    }
-}
-
-impl ParticleSetup {
-    /// The parcels of these particles.
-    fn coarse_grained(self, parcels: &CoarseGraining) -> Self {
-        let length = parcels.length();
-        let amount = |amount| match amount {
-            Amount::Count(count) => {
-                Amount::Count((count as f64 / parcels.particles()).round() as u64)
-            }
-            Amount::FillHeight(height) => Amount::FillHeight(height),
-        };
-        let start = match self.start {
-            BedStart::Lattice { spacing, jitter, bottom } => {
-                BedStart::Lattice { spacing: length * spacing, jitter, bottom }
-            }
-            other => other,
-        };
-        Self {
-            amount: self.amount.map(amount),
-            sizes: self.sizes.map(|sizes| sizes.enlarged(length)),
-            reference_diameter: length * self.reference_diameter,
-            start,
-            ..self
-        }
-    }
-}
-
-impl SizeDistribution {
-    /// All diameters multiplied by a factor.
-    fn enlarged(self, factor: f64) -> Self {
-        let class = |class: SizeClass| SizeClass { diameter: factor * class.diameter, ..class };
-        match self {
-            Self::Single(diameter) => Self::Single(factor * diameter),
-            Self::Classes(classes) => Self::Classes(classes.into_iter().map(class).collect()),
-            Self::Uniform { smallest, largest } => {
-                Self::Uniform { smallest: factor * smallest, largest: factor * largest }
-            }
-            Self::Normal { mean, deviation, smallest, largest } => Self::Normal {
-                mean: factor * mean,
-                deviation: factor * deviation,
-                smallest: factor * smallest,
-                largest: factor * largest,
-            },
-            Self::LogNormal { median, deviation, smallest, largest } => Self::LogNormal {
-                median: factor * median,
-                deviation,
-                smallest: factor * smallest,
-                largest: factor * largest,
-            },
-        }
     }
 }

@@ -53,9 +53,10 @@ pub(super) fn mixed(
     let missing = other.entries().iter().filter(|(name, _)| one.get(name).is_none());
     let missing = missing.filter(|(name, _)| !is_replaced(name));
     errors.extend(missing.map(|(_, node)| only_in(node, [names[1], names[0]])));
-    match errors.is_empty() {
-        true => Ok(Node { value: Value::Table(entries), ..one.clone() }),
-        false => Err(errors),
+    if errors.is_empty() {
+        Ok(Node { value: Value::Table(entries), ..one.clone() })
+    } else {
+        Err(errors)
     }
 }
 

@@ -13,6 +13,7 @@ mod column;
 mod contact;
 mod contact_laws;
 mod context;
+mod custom_laws;
 mod drag;
 mod errors;
 mod fluidisation;
@@ -23,7 +24,6 @@ mod measures;
 mod merging;
 mod mixing;
 mod overrides;
-mod own_laws;
 mod particles;
 mod places;
 mod plans;
@@ -36,24 +36,24 @@ mod sizes;
 mod species;
 mod stage;
 mod stages;
-mod suggestion;
 mod tree;
 mod units;
 mod volume_averaged;
 mod wall_time;
 mod walls;
 
-pub use bed::{BedError, BedPart, InitialBed};
+pub use crate::beds::{
+    Amount, BedFormat, BedPart, BedStart, InitialBed, ParticleSetup, SizeClass, SizeDistribution,
+    Species,
+};
+pub use bed::BedError;
 pub(crate) use changes::for_each_value;
 pub use changes::{Change, changes};
 pub use errors::{CaseError, CaseErrors, SourcePlace};
-pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
 pub use places::Places;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
 pub use reference::{UnknownSection, json_schema, manual, terminal};
 pub(crate) use renamed::use_first_names;
-pub use sizes::{SizeClass, SizeDistribution};
-pub use species::Species;
 pub use stage::Stage;
 pub use units::Units;
 
@@ -63,6 +63,7 @@ use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::measures::MeasurePlan;
 use crate::particles::{ListRange, Skin};
+use crate::schema::text::{NOT_UTF8, utf8_text};
 use crate::state::{Domain, SizeRange};
 use allowed_values::rounded;
 use context::ReadContext;
@@ -74,7 +75,7 @@ use species::SpeciesSections;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
-use tree::{NOT_UTF8, Node, utf8_text};
+use tree::Node;
 
 /// A run as described by its case file.
 #[derive(Clone, Debug, PartialEq)]
@@ -239,16 +240,6 @@ impl Case {
     pub fn gas_on_cells(&self) -> &GasModel {
         let mut gases = self.stages.iter().map(|stage| &stage.physics.gas);
         gases.find(|gas| gas.volume_averaged().is_some()).unwrap_or(&GasModel::None)
-    }
-
-    /// The particles at the start: those of a part of the bed, in the order of their ids. They are identical to those
-    /// of the whole bed.
-    ///
-    /// # Errors
-    /// If the bed does not fit, if its file is wrong, or if the start is the end of another run; the same error for all
-    /// parts.
-    pub fn initial_bed(&self, part: BedPart) -> Result<InitialBed, BedError> {
-        bed::build(self, part)
     }
 
     /// Least width of the ghost layer, with the narrowest skin, in the stage that needs the widest. Subdomains must not

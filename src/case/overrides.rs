@@ -93,9 +93,10 @@ fn value_of(text: &str) -> Result<Value, String> {
     let alphabetic = |c: char| c.is_ascii_alphabetic();
     let duration = text.starts_with(|c: char| c.is_ascii_digit()) && text.ends_with(alphabetic);
     let is_word = (text.starts_with(alphabetic) || duration) && text.chars().all(word);
-    match is_word {
-        true => Ok(Value::from(text)),
-        false => Err(format!("{text:?} is not a value of TOML; texts need quotes")),
+    if is_word {
+        Ok(Value::from(text))
+    } else {
+        Err(format!("{text:?} is not a value of TOML; texts need quotes"))
     }
 }
 
@@ -221,9 +222,10 @@ mod tests {
         let problems = Problems::default();
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         let result = apply(TEXT, &overrides, &problems);
-        match problems.is_empty() {
-            true => Ok(result.unwrap()),
-            false => Err(problems.into_errors("f.toml").to_string()),
+        if problems.is_empty() {
+            Ok(result.unwrap())
+        } else {
+            Err(problems.into_errors("f.toml").to_string())
         }
     }
 

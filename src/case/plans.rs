@@ -2,8 +2,8 @@
 
 use super::context::require_a_step;
 use super::section::Section;
+use crate::balance::Balance;
 use crate::domain::RankGrid;
-use crate::state::Balance;
 use std::time::Duration;
 
 /// Intervals of results, in simulated time; `None` for results that are not written.
@@ -118,9 +118,10 @@ pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<Ou
         energy,
         profiles,
         particles,
-        particle_fields: match section.has("particle_fields") {
-            true => section.choices("particle_fields", &ParticleField::BY_WORD)?,
-            false => Vec::new(),
+        particle_fields: if section.has("particle_fields") {
+            section.choices("particle_fields", &ParticleField::BY_WORD)?
+        } else {
+            Vec::new()
         },
         gas,
         single_precision: section.word("precision")? == "single",
@@ -161,9 +162,10 @@ fn read_balance(section: &Section<'_>, on_cells: bool) -> Option<Option<Balance>
         return Some(None);
     }
     let table = section.table_or_defaults("balance")?;
-    let threshold = match table.has("threshold") {
-        true => table.number("threshold")?,
-        false => Balance::usual_threshold(on_cells),
+    let threshold = if table.has("threshold") {
+        table.number("threshold")?
+    } else {
+        Balance::usual_threshold(on_cells)
     };
     Some(Some(Balance::new(table.count("every")?, threshold)))
 }

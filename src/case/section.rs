@@ -2,9 +2,9 @@
 
 use super::allowed_values::{check, description, words_of};
 use super::errors::{CaseError, Problems};
-use super::suggestion::nearest;
 use super::tree::{Node, Value};
 use super::wall_time;
+use crate::schema::text::nearest;
 use crate::schema::{self, ActiveKeys, Key, KeyValues, Kind, Required};
 use std::time::Duration;
 

@@ -3,19 +3,11 @@
 use super::merging::merge;
 use super::mixing::{mixed, with_changes};
 use super::section::Section;
-use super::suggestion::nearest;
 use super::tree::{Node, Value};
+use crate::beds::Species;
 use crate::contact::{ByPair, BySpecies};
 use crate::schema::Key;
-
-/// A species named in the case.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Species {
-    /// Its name.
-    pub name: String,
-    /// Its solid density, if it differs from that of the case.
-    pub density: Option<f64>,
-}
+use crate::schema::text::nearest;
 
 /// The species, with the nodes that contain their differences.
 pub(super) struct SpeciesSections<'a> {
@@ -99,12 +91,11 @@ impl<'a> SpeciesSections<'a> {
     /// A section for each species; the section itself if there are no species.
     pub(super) fn section_of_each(&self, shared: SharedSection<'_>) -> Vec<Node> {
         let SharedSection { name, keys, base } = shared;
-        match self.nodes.is_empty() {
-            true => vec![base.clone()],
-            false => {
-                let changes = self.nodes.iter().map(|node| node.get(name));
-                changes.map(|change| with_changes(base, change, keys)).collect()
-            }
+        if self.nodes.is_empty() {
+            vec![base.clone()]
+        } else {
+            let changes = self.nodes.iter().map(|node| node.get(name));
+            changes.map(|change| with_changes(base, change, keys)).collect()
         }
     }
 
@@ -122,9 +113,10 @@ impl<'a> SpeciesSections<'a> {
     ) -> Option<ByPair<T>> {
         let nodes = self.section_of_each(shared);
         ByPair::of_species_if(nodes.len(), |one, other| {
-            let node = match one == other {
-                true => nodes[one].clone(),
-                false => self.section_of_pair(root, shared, [one, other], &nodes)?,
+            let node = if one == other {
+                nodes[one].clone()
+            } else {
+                self.section_of_pair(root, shared, [one, other], &nodes)?
             };
             read(&Section::open(&node, shared.keys, root.problems)?, [one, other])
         })

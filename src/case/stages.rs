@@ -30,12 +30,13 @@ pub(super) fn read_stages(
 ) -> (Option<Vec<Stage>>, Option<f64>) {
     let members = root.tables("stage");
     let (step, end) = read_time(root);
-    let Timetable { names, times } = match root.has("stage") {
-        true => timetable(&members, step),
-        false => Timetable {
+    let Timetable { names, times } = if root.has("stage") {
+        timetable(&members, step)
+    } else {
+        Timetable {
             names: vec![Some("run".to_owned())],
             times: std::iter::once(0.0..end.unwrap_or(1.0)).collect(),
-        },
+        }
     };
     let mut sections = StageSection::all();
     sections.iter_mut().for_each(|section| section.change(root, 0));

@@ -44,17 +44,6 @@ pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     (line, column)
 }
 
-/// The error of a file with other bytes.
-pub(super) const NOT_UTF8: &str = "is not a text in UTF-8";
-
-/// The text of a file; the error is the number of the first line, from 1, that is not text.
-pub(super) fn utf8_text(bytes: Vec<u8>) -> Result<String, usize> {
-    String::from_utf8(bytes).map_err(|error| {
-        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        good.iter().filter(|&&byte| byte == b'\n').count() + 1
-    })
-}
-
 /// The line, from 1, in which most brackets are open or most dots join a key.
 fn most_nested_line(text: &str) -> usize {
     let mut open = 0_usize;

@@ -91,15 +91,9 @@ fn read_cylinder(section: &Section<'_>) -> Option<WallShape> {
 /// Velocity, oscillation, and times of the motion.
 fn read_motion(section: &Section<'_>) -> Option<WallMotion> {
     let vector = |name| section.vector(name).map(Vector3::from).unwrap_or_default();
-    let frequency = match section.has("amplitude") {
-        true => section.number("frequency"),
-        false => Some(0.0),
-    };
+    let frequency = if section.has("amplitude") { section.number("frequency") } else { Some(0.0) };
     let start = section.number("start")?;
-    let end = match section.has("end") {
-        true => section.number("end")?,
-        false => f64::INFINITY,
-    };
+    let end = if section.has("end") { section.number("end")? } else { f64::INFINITY };
     if end <= start {
         section.fail("end", format!("must be after start, {start}"));
         return None;

@@ -109,9 +109,10 @@ fn table(case: &Case, stage: &Stage, partners: &Partners, options: &ContactOptio
     let diameter = case.particles.reference_diameter;
     let radius = 0.5 * diameter;
     let masses = species.map(|species| case.particles.reference_mass(species));
-    let bodies = match at_wall {
-        true => ReducedBody::of_sphere_and_wall(masses[0], radius),
-        false => ReducedBody::of_spheres(masses, [radius; 2]),
+    let bodies = if at_wall {
+        ReducedBody::of_sphere_and_wall(masses[0], radius)
+    } else {
+        ReducedBody::of_spheres(masses, [radius; 2])
     };
     let cohesion = physics.cohesion.as_ref().map(|cohesion| cohesion.of(species).at(stage.start));
     let attraction = |separation: f64| match &cohesion {

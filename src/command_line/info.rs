@@ -55,7 +55,7 @@ pub(super) fn of_checkpoint(path: &Path, ranks: &dyn Communicator) -> anyhow::Re
         let value = (counter.get)(&checkpoint.departed);
         line(&format!("{} {name}", &group[1..]), format!("{value} ({})", counter.meaning));
     }
-    for field in &checkpoint.own.fields {
+    for field in &checkpoint.custom.fields {
         line(field.name, format!("custom field: {}", field.meaning));
     }
     line("contacts", format!("{contacts} between particles, {at_walls} with walls"));

@@ -275,11 +275,10 @@ fn with_newest_checkpoint(
 fn summary(outcome: &Outcome, resume: &str, ranks: usize) -> String {
     let table = report::table(outcome, ranks);
     let checkpoint = outcome.checkpoint.display();
-    let end = match outcome.complete {
-        true => format!("complete at time {}; the end state is in {checkpoint}", outcome.time),
-        false => {
-            format!("stopped at time {} with {checkpoint}; resume with: {resume}", outcome.time)
-        }
+    let end = if outcome.complete {
+        format!("complete at time {}; the end state is in {checkpoint}", outcome.time)
+    } else {
+        format!("stopped at time {} with {checkpoint}; resume with: {resume}", outcome.time)
     };
     format!("{table}{end}\ndigest {}", outcome.digest)
 }
@@ -295,9 +294,10 @@ pub(super) fn say(ranks: &dyn Communicator, message: &str) -> anyhow::Result<()>
 /// A text as one word of a command for a shell.
 fn in_shell(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%".contains(c);
-    match !text.is_empty() && text.chars().all(is_plain) {
-        true => text.to_owned(),
-        false => format!("'{}'", text.replace('\'', "'\\''")),
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
     }
 }
 

@@ -146,12 +146,11 @@ impl SpringStep {
         let differs =
             |one: Vector3<f64>, other: Vector3<f64>| (one - other).norm() > 1.0e-9 * other.norm();
         let slides = differs(after, stretched) || differs(force, held);
-        let (dashpot, friction) = match slides {
-            false => (-self.damping * rate.norm_squared() * dt, 0.0),
-            true => {
-                let stored = 0.5 * stiffness * (after.norm_squared() - turned.norm_squared());
-                (0.0, force.dot(&rate) * dt + stored)
-            }
+        let (dashpot, friction) = if slides {
+            let stored = 0.5 * stiffness * (after.norm_squared() - turned.norm_squared());
+            (0.0, force.dot(&rate) * dt + stored)
+        } else {
+            (-self.damping * rate.norm_squared() * dt, 0.0)
         };
         ContactWork { dashpot, friction: friction - turning, ..ContactWork::default() }
     }

@@ -13,7 +13,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A law of the exchange between touching particles. `examples/own_field.rs` contains one: conduction of heat.
+/// A law of the exchange between touching particles. `examples/custom_field.rs` contains one: conduction of heat.
 pub trait ContactExchange: Debug + Send + Sync {
     /// The exchanged field, one number for each particle.
     fn field(&self) -> Field;

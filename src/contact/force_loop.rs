@@ -46,12 +46,11 @@ pub fn force_loop(
                 reduced_inertia: reduced_mass * reduced_radius * reduced_radius,
                 cohesion: attraction(-overlap),
             };
-            let force = match law.touches(&contact, &history) {
-                true => law.force(&contact, &mut history, 0.0),
-                false => {
-                    history = ContactHistory::default();
-                    ContactForce::zero()
-                }
+            let force = if law.touches(&contact, &history) {
+                law.force(&contact, &mut history, 0.0)
+            } else {
+                history = ContactHistory::default();
+                ContactForce::zero()
             };
             out.push(LoopPoint { part, overlap, force: force.normal - contact.cohesion });
         }

@@ -27,9 +27,10 @@ pub fn work_of_parting(
     let slowly = Slowly { law, bodies };
     let (overlap, mut history) = slowly.held_by(attraction.force);
     let in_contact = slowly.work(overlap, 0.0, &mut history) + attraction.force * overlap;
-    let neck = match history.largest_overlap > 0.0 {
-        true => slowly.work(0.0, -law.contact_range(bodies.radius), &mut history),
-        false => 0.0,
+    let neck = if history.largest_overlap > 0.0 {
+        slowly.work(0.0, -law.contact_range(bodies.radius), &mut history)
+    } else {
+        0.0
     };
     WorkOfParting { surface: attraction.work, spring: in_contact + neck }
 }

@@ -29,9 +29,10 @@ impl ColumnGrid {
     pub fn new(bounds: &Bounds, spacing: f64, base_part: f64) -> Self {
         let height = bounds.lengths().z;
         let periodic = bounds.is_periodic(2);
-        let nodes = match periodic {
-            true => (height / spacing).round() as usize,
-            false => (height / spacing).ceil() as usize + 1,
+        let nodes = if periodic {
+            (height / spacing).round() as usize
+        } else {
+            (height / spacing).ceil() as usize + 1
         };
         let cross_section = bounds.cross_section();
         let base_part = if periodic { 1.0 } else { base_part };

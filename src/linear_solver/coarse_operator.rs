@@ -181,9 +181,10 @@ fn in_parallel<const SPACING: usize, const SINGLE: bool>(
         let mean = |of: usize| 0.5 * (here[of][cell] + beside[of][cell]);
         let own = |of: usize| (1.0 - mean(of)) * values[of][cell];
         let next = |of: usize| mean(of) * values[of][cell];
-        coarse[i] = match SINGLE {
-            true => own(1) + (next(0) + next(2)),
-            false => (own(1) + own(2)) + (next(0) + next(3)),
+        coarse[i] = if SINGLE {
+            own(1) + (next(0) + next(2))
+        } else {
+            (own(1) + own(2)) + (next(0) + next(3))
         };
     }
 }

@@ -144,9 +144,10 @@ impl PressureSolver {
         copy_owned(right_hand_side, &mut self.right_hand_side);
         let Self { preconditioner, gradients, closed, coefficients, .. } = self;
         let right = &mut self.right_hand_side;
-        let removed_mean = match *closed {
-            true => remove_mean(right, coefficients, gradients.scratch(), ranks),
-            false => 0.0,
+        let removed_mean = if *closed {
+            remove_mean(right, coefficients, gradients.scratch(), ranks)
+        } else {
+            0.0
         };
         let mut bounds = [largest_term(right, &*right), largest([&self.solution])];
         ranks.maximum(&mut bounds);

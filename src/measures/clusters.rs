@@ -154,9 +154,10 @@ impl Looks {
         (0..3).filter_map(move |axis| {
             let stride: u64 = counts[..axis].iter().product();
             let index = cell / stride % counts[axis];
-            match index + 1 < counts[axis] {
-                true => Some(cell + stride),
-                false => periodic[axis].then(|| cell - index * stride),
+            if index + 1 < counts[axis] {
+                Some(cell + stride)
+            } else {
+                periodic[axis].then(|| cell - index * stride)
             }
         })
     }

@@ -82,10 +82,8 @@ impl RegisteredMeasure for Mixing {
             values.fail("window", message);
             return None;
         }
-        let fit_from = match values.is_given("fit_from") {
-            true => values.number("fit_from")?,
-            false => 0.25 * window,
-        };
+        let fit_from =
+            if values.is_given("fit_from") { values.number("fit_from")? } else { 0.25 * window };
         if fit_from > window - 0.999 * every {
             values.fail("fit_from", "leaves fewer than two samples in a window".to_owned());
             return None;

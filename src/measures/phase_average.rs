@@ -85,9 +85,10 @@ impl RegisteredMeasure for PhaseAverages {
 
     fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
         let vibration = values.vibration();
-        let frequency = match values.is_given("frequency") {
-            true => values.number("frequency"),
-            false => vibration.map(|vibration| vibration.frequency),
+        let frequency = if values.is_given("frequency") {
+            values.number("frequency")
+        } else {
+            vibration.map(|vibration| vibration.frequency)
         };
         if frequency.is_none() {
             values.fail("frequency", "is needed: no stage has a [vibration]".to_owned());

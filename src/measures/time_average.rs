@@ -40,10 +40,8 @@ impl RegisteredMeasure for TimeAverage {
     fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
         let looks_per_row = looks_per_row(values);
         let has_cells = values.gas_grid().is_some();
-        let on_cells = match values.is_given("on") {
-            true => values.word("on")? == "cells",
-            false => has_cells,
-        };
+        let on_cells =
+            if values.is_given("on") { values.word("on")? == "cells" } else { has_cells };
         if on_cells && !has_cells {
             values.fail("on", "needs a volume-averaged gas".to_owned());
             return None;

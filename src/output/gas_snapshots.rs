@@ -1,92 +1,83 @@
-//! The gas at chosen times for ParaView: `gas.vtkhdf`, temporal ImageData of VTKHDF 2.0.
+//! The gas at chosen times for ParaView: `gas.vtkhdf`, fields on the cells of the box.
 //!
 //! Rank 0 writes the data sent by the others: fields are small compared with the particles.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::slice::from_ref;
 
-use super::image_file::{ImageCells, ImageField, bulk};
-use super::output_file::continue_or_create;
-use super::{
-    Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
-    SnapshotStorage, image_file, metadata_copy, on_root,
-};
+use super::vtkhdf::{ImageCells, RecordColumn, Writer, image_table};
+use super::{Head, Output, OutputError, OutputKind, Sample, SnapshotStorage};
 use crate::grid::BoxGrid;
-use crate::parallel::{CellSample, Communicator, sort_by_id};
+use crate::parallel::{CellSample, Communicator, records_of_bytes, sort_by_id};
 
-/// A field of the snapshots.
-struct SampledField {
-    name: &'static str,
-    components: usize,
-    of: fn(&CellSample) -> &[f64],
-}
-
-const FIELDS: [SampledField; 4] = [
-    SampledField { name: "pressure", components: 1, of: |cell| from_ref(&cell.pressure) },
-    SampledField { name: "velocity", components: 3, of: |cell| &cell.velocity },
-    SampledField { name: "voidage", components: 1, of: |cell| from_ref(&cell.voidage) },
-    SampledField { name: "solids_velocity", components: 3, of: |cell| &cell.solids_velocity },
+const FIELDS: [RecordColumn<CellSample>; 4] = [
+    RecordColumn {
+        name: "CellData/pressure",
+        width: 1,
+        unit: |units| units.pressure,
+        description: "pressure of the gas less its hydrostatic head",
+        of: |cell| from_ref(&cell.pressure),
+    },
+    RecordColumn {
+        name: "CellData/velocity",
+        width: 3,
+        unit: |units| units.speed,
+        description: "velocity of the gas between the particles, mean of a cell's faces",
+        of: |cell| &cell.velocity,
+    },
+    RecordColumn {
+        name: "CellData/voidage",
+        width: 1,
+        unit: |units| units.number,
+        description: "volume of gas per open volume; 0 in cells outside of a round column",
+        of: |cell| from_ref(&cell.voidage),
+    },
+    RecordColumn {
+        name: "CellData/solids_velocity",
+        width: 3,
+        unit: |units| units.speed,
+        description: "mean velocity of the solids by volume; 0 where there are none",
+        of: |cell| &cell.solids_velocity,
+    },
 ];
+
 /// The file of snapshots of the gas. Its records contain pressure, velocity of the gas, voidage and velocity of the
 /// solids.
 #[derive(Clone, Debug)]
-pub struct GasSnapshots {
-    path: PathBuf,
-}
+pub struct GasSnapshots(Writer);
 
 impl GasSnapshots {
-    /// Entry in the list of outputs.
-    pub const KIND: OutputKind =
-        OutputKind { file_name: "gas.vtkhdf", needs_momentum_before: false, open: Self::open };
+    /// In the list of outputs; nothing for a case without a volume-averaged gas.
+    pub const KIND: OutputKind = OutputKind {
+        file_name: "gas.vtkhdf",
+        needs_momentum_before: false,
+        open: |path, opening, ranks| {
+            let Some(grid) = opening.gas_grid else { return Ok(None) };
+            let fields = (grid, opening.snapshots.storage);
+            let snapshots = Self::open(path, fields, opening.head, opening.continue_after, ranks)?;
+            Ok(Some(Box::new(snapshots)))
+        },
+    };
 
-    /// Opens the file; nothing for a case without a volume-averaged gas.
-    fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
-        let Some(grid) = opening.gas_grid else { return Ok(None) };
-        let storage = opening.snapshots.storage;
-        let snapshots = match opening.continue_after {
-            Some(time) => Self::resume(path, time, (grid, storage), opening.head, ranks)?,
-            None => Self::create(path, (grid, storage), opening.head, ranks)?,
-        };
-        Ok(Some(Box::new(snapshots)))
-    }
-
-    /// Begins a file, replacing any existing one. Collective.
+    /// Begins a file, in the place of one that is there; or continues it as it was last committed, after the snapshots up to
+    /// and including a time; later ones are dropped. A file that cannot be read is set aside with a warning, and a new one
+    /// begun. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(
+    pub fn open(
         path: &Path,
-        fields: (&BoxGrid, SnapshotStorage),
+        (grid, storage): (&BoxGrid, SnapshotStorage),
         head: Head<'_>,
+        continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, fields, head))?;
-        Ok(Self { path: path.to_owned() })
-    }
-
-    /// Continues a file in its last committed state, after the snapshots up to and including `time`; later ones are
-    /// dropped. A file that cannot be read is set aside with a warning, and a new one is begun. Collective.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn resume(
-        path: &Path,
-        time: f64,
-        fields: (&BoxGrid, SnapshotStorage),
-        head: Head<'_>,
-        ranks: &dyn Communicator,
-    ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || {
-            let tables = tables();
-            let go_on = |found| image_file::cut_after(path, time, &tables, found);
-            let kept = continue_or_create(path, go_on, || Ok(0))?;
-            if kept > 0 {
-                metadata_copy::commit(path, &bulk(&tables))
-            } else {
-                create(path, fields, head)
-            }
-        })?;
-        Ok(Self { path: path.to_owned() })
+        let (spacing, counts) = (grid.spacing().into(), grid.counts());
+        let cells = ImageCells { origin: [0.0; 3], spacing, counts };
+        let units = head.units();
+        let fields = FIELDS.iter().map(|field| field.dataset(&units));
+        let table = image_table(cells, fields, storage, &units);
+        Writer::open(path, table, head, continue_after, ranks).map(Self)
     }
 
     /// Adds the gas at a time: the cells of all ranks, in any order. Collective.
@@ -94,7 +85,7 @@ impl GasSnapshots {
     /// # Errors
     /// If the file cannot be written.
     pub fn append(
-        &self,
+        &mut self,
         time: f64,
         cells: &[CellSample],
         ranks: &dyn Communicator,
@@ -102,9 +93,9 @@ impl GasSnapshots {
         let sorted = sort_by_id(cells, |record| [record.cell, 0], ranks).rows;
         let bytes =
             ranks.gather_to_root(bytemuck::cast_slice(&sorted)).unwrap_or_default().concat();
-        let all: Vec<CellSample> = crate::parallel::records_of_bytes(&bytes).collect();
-        on_root(&self.path, ranks, || append(&self.path, time, &all))?;
-        Ok(())
+        let all: Vec<CellSample> = records_of_bytes(&bytes).collect();
+        let rows = FIELDS.iter().map(|field| (field.name, field.of_all(&all)));
+        self.0.append_on_root(time, ranks, rows)
     }
 }
 
@@ -119,39 +110,6 @@ impl Output for GasSnapshots {
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &bulk(&tables()), ranks)
+        self.0.commit(ranks)
     }
-}
-
-/// Paths of the datasets that grow.
-fn tables() -> Vec<String> {
-    image_file::tables(FIELDS.iter().map(|field| field.name))
-}
-
-fn create(
-    path: &Path,
-    (grid, storage): (&BoxGrid, SnapshotStorage),
-    head: Head<'_>,
-) -> MessageResult<()> {
-    let units = head.units();
-    let described = [
-        (units.pressure, "pressure of the gas less its hydrostatic head"),
-        (units.speed, "velocity of the gas between the particles, mean of a cell's faces"),
-        ("1", "volume of gas per open volume; 0 in cells outside of a round column"),
-        (units.speed, "mean velocity of the solids by volume; 0 where there are none"),
-    ];
-    let fields = FIELDS.iter().zip(described).map(|(field, (unit, description))| ImageField {
-        name: field.name,
-        components: field.components,
-        unit,
-        description,
-    });
-    let (spacing, counts) = (grid.spacing().into(), grid.counts());
-    let cells = ImageCells { origin: [0.0; 3], spacing, counts };
-    image_file::create(path, &cells, &fields.collect::<Vec<_>>(), storage, head)
-}
-
-fn append(path: &Path, time: f64, cells: &[CellSample]) -> MessageResult<()> {
-    let numbers = |field: &SampledField| cells.iter().flat_map(field.of).copied().collect();
-    image_file::append(path, time, FIELDS.iter().map(|field| (field.name, numbers(field))))
 }

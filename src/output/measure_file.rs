@@ -120,9 +120,8 @@ impl MeasureFile {
             self.waiting.extend(rows.into_iter().map(|rows| (time, rows)));
         }
         let path = self.path.clone();
-        on_root(&path, ranks, || match self.written.elapsed() < PATIENCE {
-            true => Ok(()),
-            false => self.write(),
+        on_root(&path, ranks, || {
+            if self.written.elapsed() < PATIENCE { Ok(()) } else { self.write() }
         })?;
         Ok(())
     }

@@ -12,7 +12,6 @@ mod contact_lines;
 mod energy_table;
 mod gas_snapshots;
 mod hdf5_file;
-mod image_file;
 pub(crate) mod lock;
 mod measure_file;
 mod measure_output;
@@ -29,6 +28,7 @@ mod standard_output;
 mod table;
 mod text_table;
 mod units;
+mod vtkhdf;
 mod wall_force_table;
 mod whole_file;
 
@@ -83,9 +83,10 @@ pub(crate) fn on_root<T>(
 
 /// An error unless a path leads to a file: opening a pipe waits for its other end, perhaps without end.
 pub(crate) fn require_file(path: &Path) -> std::io::Result<()> {
-    match std::fs::metadata(path)?.is_file() {
-        true => Ok(()),
-        false => Err(std::io::Error::other("this is not a file")),
+    if std::fs::metadata(path)?.is_file() {
+        Ok(())
+    } else {
+        Err(std::io::Error::other("this is not a file"))
     }
 }
 

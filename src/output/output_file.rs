@@ -189,9 +189,10 @@ fn leading_rows(times: &[f64], time: f64, follows: fn(f64, f64) -> bool) -> Mess
         is_kept
     });
     let rows = rows.count();
-    match times[rows..].iter().any(|&row_time| last < row_time && row_time <= time) {
-        true => Err(format!("the time of its row {} is damaged: {}", rows + 1, times[rows])),
-        false => Ok(rows),
+    if times[rows..].iter().any(|&row_time| last < row_time && row_time <= time) {
+        Err(format!("the time of its row {} is damaged: {}", rows + 1, times[rows]))
+    } else {
+        Ok(rows)
     }
 }
 

@@ -1,8 +1,7 @@
 //! Number format of snapshots, and their columns in addition to the standard ones.
 
-use super::hdf5_file::SerialFile;
-use super::table::{Rows, TableHead};
-use super::{ColumnUnits, MessageResult};
+use super::ColumnUnits;
+use super::table::Rows;
 use crate::fields::{Field, Kind};
 
 /// Number format of snapshots.
@@ -15,20 +14,6 @@ pub struct SnapshotStorage {
 }
 
 impl SnapshotStorage {
-    /// Makes a dataset of numbers whose rows are blocks of a shape, stored in chunks of a given number of rows.
-    pub(super) fn make_numbers(
-        self,
-        file: &SerialFile,
-        head: &TableHead<'_>,
-        shape: &[usize],
-        piece: usize,
-    ) -> MessageResult<()> {
-        match self.single_precision {
-            true => file.make_blocks::<f32>(head, shape, self.rows(piece)),
-            false => file.make_blocks::<f64>(head, shape, self.rows(piece)),
-        }
-    }
-
     /// Growing rows, in chunks of a given number.
     pub(super) fn rows(self, piece: usize) -> Rows {
         match self.compression {

@@ -271,9 +271,10 @@ fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
 
 /// A text as a cell: quoted if it contains a comma, a quotation mark or a line break.
 pub(super) fn quoted(text: &str) -> String {
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace(['\n', '\r'], " ").replace('"', "\"\"")),
-        false => text.to_owned(),
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace(['\n', '\r'], " ").replace('"', "\"\""))
+    } else {
+        text.to_owned()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::migration_message::MigrationMessage;
 use super::{Communicator, Message, ParticleRecord, records_of_bytes};
 use crate::domain::Decomposition;
-use crate::particles::{ContactHistories, OwnFields, Particles};
+use crate::particles::{ContactHistories, CustomFields, Particles};
 use bytemuck::Pod;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -42,12 +42,12 @@ pub fn migrate(
     let messages: Vec<Message> =
         messages.iter().map(|(&rank, message)| message.message_to(rank)).collect();
     for message in ranks.sparse_exchange(&messages) {
-        let width = particles.columns.own_width();
+        let width = particles.columns.custom_width();
         let message = MigrationMessage::of(&message, width);
         for (number, record) in message.particles.iter().enumerate() {
             record.push_to(particles);
             let index = particles.count() - 1;
-            particles.set_own_row(index, &message.own[number * width..][..width]);
+            particles.set_custom_row(index, &message.custom[number * width..][..width]);
         }
         histories.pairs.extend(message.pairs);
         histories.walls.extend(message.walls);
@@ -58,23 +58,23 @@ pub fn migrate(
 /// fields. This call is collective.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,
-    own: OwnFields,
+    custom: CustomFields,
     decomposition: &Decomposition,
     ranks: &dyn Communicator,
-) -> (Vec<ParticleRecord>, OwnFields) {
+) -> (Vec<ParticleRecord>, CustomFields) {
     if ranks.size() == 1 {
-        return (records, own);
+        return (records, custom);
     }
     let mut outgoing = vec![Vec::new(); ranks.size()];
     let mut rows = vec![Vec::new(); ranks.size()];
     for (index, record) in records.into_iter().enumerate() {
         let owner = decomposition.owner_of(&Vector3::from(record.position));
         outgoing[owner].push(record);
-        rows[owner].extend_from_slice(own.row(index));
+        rows[owner].extend_from_slice(custom.row(index));
     }
-    // Both are in the order of the senders.
-    let numbers = if own.fields.is_empty() { Vec::new() } else { deliver(rows, ranks) };
-    (deliver(outgoing, ranks), OwnFields { numbers, ..own })
+    // Both in the order of the senders.
+    let numbers = if custom.fields.is_empty() { Vec::new() } else { deliver(rows, ranks) };
+    (deliver(outgoing, ranks), CustomFields { numbers, ..custom })
 }
 
 /// Returns the records of all ranks, in the order of the ranks, on every rank; there must be few. They are gathered on
@@ -138,7 +138,7 @@ fn pack_particles(
     for (index, &rank) in owner.iter().enumerate().filter(|&(_, &rank)| rank != here) {
         let message = messages.entry(rank).or_default();
         message.particles.push(ParticleRecord::of(particles, index));
-        particles.append_own_row(index, &mut message.own);
+        particles.append_custom_row(index, &mut message.custom);
     }
     let staying: Vec<u32> =
         (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();

@@ -8,7 +8,7 @@ use bytemuck::{Pod, cast_slice};
 pub(super) struct MigrationMessage {
     pub(super) particles: Vec<ParticleRecord>,
     /// Numbers of these particles in custom fields.
-    pub(super) own: Vec<f64>,
+    pub(super) custom: Vec<f64>,
     pub(super) pairs: Vec<ContactRecord>,
     pub(super) walls: Vec<WallContactRecord>,
 }
@@ -16,25 +16,25 @@ pub(super) struct MigrationMessage {
 impl MigrationMessage {
     /// The message: the numbers of records of each kind (3 x 8 bytes), then the records.
     pub(super) fn message_to(&self, rank: usize) -> Message {
-        let Self { particles, own, pairs, walls } = self;
+        let Self { particles, custom, pairs, walls } = self;
         let counts = [particles.len(), pairs.len(), walls.len()].map(|count| count as u64);
         let parts = [
             cast_slice(&counts),
             cast_slice(particles),
-            cast_slice(own),
+            cast_slice(custom),
             cast_slice(pairs),
             cast_slice(walls),
         ];
         Message { rank, bytes: parts.concat() }
     }
 
-    /// The contents of a message; `own_width` is the number of values of a particle in custom fields.
-    pub(super) fn of(message: &Message, own_width: usize) -> Self {
+    /// The contents of a message; `own_width` is the number of own numbers of a particle.
+    pub(super) fn of(message: &Message, custom_width: usize) -> Self {
         let mut rest = &message.bytes[..];
         let counts: Vec<u64> = take_records(&mut rest, 3);
         Self {
             particles: take_records(&mut rest, counts[0]),
-            own: take_records(&mut rest, counts[0] * own_width as u64),
+            custom: take_records(&mut rest, counts[0] * custom_width as u64),
             pairs: take_records(&mut rest, counts[1]),
             walls: take_records(&mut rest, counts[2]),
         }
@@ -61,7 +61,7 @@ mod tests {
         for (counts, width) in [([0, 0, 0], 0), ([3, 0, 1], 2), ([1, 4, 2], 0), ([2, 1, 0], 1)] {
             let packed = MigrationMessage {
                 particles: (0..counts[0]).map(particle).collect(),
-                own: (0..counts[0] * width).map(|number| number as f64).collect(),
+                custom: (0..counts[0] * width).map(|number| number as f64).collect(),
                 pairs: (0..counts[1]).map(pair).collect(),
                 walls: (0..counts[2]).map(wall).collect(),
             };

@@ -24,7 +24,7 @@
 //!
 //! | what | record | bytes | to whom | how |
 //! | --- | --- | --- | --- | --- |
-//! | load of each rank, costs along each divided axis ([`RankLoad`]) | integers | 8192 per axis | all | [`sum_integers`] |
+//! | load of each rank, costs along each divided axis ([`RankLoad`](crate::balance::RankLoad)) | integers | 8192 per axis | all | [`sum_integers`] |
 //! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 200 per particle | new owner | [`sparse_exchange`] |
 //! | their contact histories, and those of two ranks' particles, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owners of both particles | [`sparse_exchange`] |
 //! | new ghosts ([`ParticleHalo::make_ghosts`]) | `NewGhost` | 112 per ghost | neighbours, axis by axis | [`exchange`] |
@@ -49,7 +49,6 @@ use std::io::Write;
 use std::path::Path;
 
 mod allocator;
-mod balance;
 mod cell_migration;
 mod directory;
 mod field_halo;
@@ -66,7 +65,6 @@ mod thread_ranks;
 
 pub use crate::particles::{ContactRecord, ParticleRecord, WallContactRecord};
 pub use allocator::AllocatorOfRanks;
-pub use balance::{RankLoad, RankWork};
 pub(crate) use cell_migration::send_cells_to_owners;
 pub use directory::send_histories_to_owners;
 pub(crate) use field_halo::FieldHalo;

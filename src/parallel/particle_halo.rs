@@ -224,9 +224,10 @@ impl ParticleHalo {
             let mut numbers = Vec::new();
             for &index in &list.indices {
                 let index = index as usize;
-                let origin = match index < owned {
-                    true => Origin { rank: here, index: index as u32 },
-                    false => self.origins[index - owned],
+                let origin = if index < owned {
+                    Origin { rank: here, index: index as u32 }
+                } else {
+                    self.origins[index - owned]
                 };
                 let mut ghost = NewGhost::of(particles, index, origin);
                 ghost.position[axis] += list.shift; // exact: both are multiples of the quantum

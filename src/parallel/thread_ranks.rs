@@ -294,9 +294,12 @@ impl Communicator for ThreadRank {
         let mut messages = vec![&[][..]; self.size];
         outgoing.iter().for_each(|message| messages[message.rank] = &message.bytes);
         self.others().for_each(|to| self.send(to, COLLECTIVE, messages[to]));
-        let received = |rank: usize| match rank == self.rank {
-            true => messages[rank].to_vec(),
-            false => self.received(rank, COLLECTIVE),
+        let received = |rank: usize| {
+            if rank == self.rank {
+                messages[rank].to_vec()
+            } else {
+                self.received(rank, COLLECTIVE)
+            }
         };
         let incoming = (0..self.size).map(|rank| Message { rank, bytes: received(rank) });
         incoming.filter(|message| !message.bytes.is_empty()).collect()

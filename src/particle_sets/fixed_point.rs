@@ -54,9 +54,8 @@ impl<const N: usize> Quanta<N> {
     }
 
     pub(crate) fn values_of(&self, sums: &[i128; N]) -> [f64; N] {
-        std::array::from_fn(|k| match self.undefined[k] {
-            true => f64::NAN,
-            false => sums[k] as f64 * self.spacing[k],
+        std::array::from_fn(|k| {
+            if self.undefined[k] { f64::NAN } else { sums[k] as f64 * self.spacing[k] }
         })
     }
 }

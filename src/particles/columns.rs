@@ -83,14 +83,14 @@ impl Columns {
         self.0.iter().position(|column| column.fields.iter().any(|field| field.name == name))
     }
 
-    /// The columns of custom fields, except those that are returned at each step, which are zero between steps.
-    pub fn own(&self) -> impl Iterator<Item = &Column> {
+    /// The columns of custom fields; what is returned at each step is none of them, since it is zero between steps.
+    pub fn custom(&self) -> impl Iterator<Item = &Column> {
         self.0[BUILT_IN..].iter().filter(|column| column.travel() != Travel::Returned)
     }
 
-    /// Number of values of a particle in these columns.
-    pub(crate) fn own_width(&self) -> usize {
-        self.own().map(|column| column.width).sum()
+    /// Numbers that a particle has in them.
+    pub(crate) fn custom_width(&self) -> usize {
+        self.custom().map(|column| column.width).sum()
     }
 
     pub(super) fn own_mut(&mut self) -> impl Iterator<Item = &mut Column> {

@@ -271,9 +271,10 @@ impl Contacts {
                 let partners = &self.partner[slots.clone()];
                 for (&partner, of_slot) in partners.iter().zip(&mut of_slots[slots]) {
                     let partner = partner as usize;
-                    let is_there = match partner < owned {
-                        true => there == Some(partner),
-                        false => particles.id[partner] == id,
+                    let is_there = if partner < owned {
+                        there == Some(partner)
+                    } else {
+                        particles.id[partner] == id
                     };
                     if is_there {
                         *of_slot = number as u32;

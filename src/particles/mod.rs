@@ -5,11 +5,11 @@ mod cell_grid;
 mod columns;
 mod contact_state;
 mod contacts;
+mod custom_fields;
 mod ghosts;
 mod inner_list;
 mod integrate;
 mod neighbour_list;
-mod own_fields;
 mod packing;
 mod pair_blocks;
 mod pair_kind;
@@ -29,11 +29,11 @@ pub use contact_state::{
     ContactHistories, ContactHistory, ContactRecord, ContactState, WallContactRecord,
 };
 pub use contacts::{Contacts, LostContact};
+pub use custom_fields::CustomFields;
 pub(crate) use ghosts::{drift_copies, follow_originals};
 pub(crate) use inner_list::{InnerList, InteractionRanges, PairCounts, PairGroup};
 pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_first_forces};
 pub use neighbour_list::NeighbourList;
-pub use own_fields::OwnFields;
 pub(crate) use pair_blocks::{
     AngleLanes, ContactColumns, LANES, Lanes, Pair, PairBlock, PairBlocks, SpringLanes,
 };

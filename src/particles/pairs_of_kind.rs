@@ -46,10 +46,7 @@ impl PairsOfKind {
     /// Adds a pair that does not touch.
     #[inline(always)]
     pub(super) fn add(&mut self, pair: Pair, is_active: bool) {
-        match is_active {
-            true => self.active.push(pair, None),
-            false => self.candidates.push(pair),
-        }
+        if is_active { self.active.push(pair, None) } else { self.candidates.push(pair) }
     }
 
     /// Adds candidates of two owned particles: the first and those of up to four others whose bits are set.

@@ -30,9 +30,10 @@ impl EvenRows {
         };
         let even = intervals.iter().all(|other| (other - interval).abs() <= EVEN * interval);
         let count = libm::round((last - start) / interval) as usize + 1;
-        let rows = match even {
-            true => (0..times.len()).collect(),
-            false => (0..count).map(|k| nearest(times, start + k as f64 * interval)).collect(),
+        let rows = if even {
+            (0..times.len()).collect()
+        } else {
+            (0..count).map(|k| nearest(times, start + k as f64 * interval)).collect()
         };
         Ok(Self { start: *start, interval, rows })
     }

@@ -164,10 +164,7 @@ impl Results {
         let list = || {
             let paths = checkpoint::files_in(&self.folder)?;
             let none = "there is no checkpoint: [checkpoint] of the case says how many are kept";
-            match paths.is_empty() {
-                true => Err(NoValue::because(none).into()),
-                false => Ok(paths),
-            }
+            if paths.is_empty() { Err(NoValue::because(none).into()) } else { Ok(paths) }
         };
         as_ref(self.checkpoints.get_or_init(list)).map(Vec::as_slice)
     }

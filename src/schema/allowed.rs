@@ -83,10 +83,7 @@ impl Allowed {
 
 /// A number of a table in the usual form: with an exponent if it is small.
 pub(super) fn short(number: f64) -> String {
-    match number != 0.0 && number.abs() < 1.0e-3 {
-        true => format!("{number:e}"),
-        false => number.to_string(),
-    }
+    if number != 0.0 && number.abs() < 1.0e-3 { format!("{number:e}") } else { number.to_string() }
 }
 
 impl fmt::Display for Allowed {

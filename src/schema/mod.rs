@@ -10,6 +10,7 @@ mod allowed;
 mod mixing;
 mod schedule;
 mod table;
+pub mod text;
 mod values;
 
 pub use allowed::Allowed;

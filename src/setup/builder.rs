@@ -1,13 +1,14 @@
 //! The choices made before a run, and its start.
 
 use super::{Layers, Layout, Run, SetupError, Snapshot, Sphere};
+use crate::balance::Balance;
 use crate::contact::{ByPair, BySpecies, ContactExchange, ContactModel, VanDerWaals};
 use crate::domain::{Bounds, Face, RankGrid, Vibration, Wall};
 use crate::fields::{Field, Travel};
 use crate::gas::GasModel;
 use crate::parallel::{Communicator, OneRank, ParticleRecord};
-use crate::particles::{ListRange, OwnFields, Skin};
-use crate::state::{Balance, Domain, Models, Physics, SizeRange, Workspace};
+use crate::particles::{CustomFields, ListRange, Skin};
+use crate::state::{Domain, Models, Physics, SizeRange, Workspace};
 use crate::time_step::{begin, find_first_forces};
 
 /// A bed before its start: the box, the models that act on the particles, and the particles. It must be equal on all
@@ -17,8 +18,8 @@ pub struct Setup {
     pub(super) domain: Domain,
     pub(super) physics: Physics,
     pub(super) particles: Vec<ParticleRecord>,
-    /// Custom fields of the first particles; particles that are added later have zeros.
-    own: OwnFields,
+    /// Custom fields of the first particles; those added later have zeros.
+    custom: CustomFields,
     pub(super) sizes: Option<SizeRange>,
     pub(super) skin: Option<f64>,
     pub(super) force_limit: Option<f64>,
@@ -53,8 +54,8 @@ impl Setup {
     pub fn in_domain(domain: Domain, physics: Physics) -> Self {
         let particles = Vec::new();
         let (sizes, skin, force_limit, balance) = (None, None, None, None);
-        let own = OwnFields::default();
-        Self { domain, physics, particles, own, sizes, skin, force_limit, balance }
+        let custom = CustomFields::default();
+        Self { domain, physics, particles, custom, sizes, skin, force_limit, balance }
     }
 
     /// Adds a wall, after those in the faces of the box.
@@ -122,9 +123,8 @@ impl Setup {
         self
     }
 
-    /// Adds a custom field, with its numbers for each of the particles that have been added before; it is zero for
-    /// later ones. It moves with the particles from rank to rank, is part of snapshots and checkpoints, and is part of
-    /// the digest where it is not zero.
+    /// A custom field, with its numbers for each of the particles that have been added before; zero for others. It goes with the
+    /// particles from rank to rank, into snapshots and checkpoints, and is part of the digest where it is not zero.
     #[must_use]
     pub fn field<const WIDTH: usize>(
         mut self,
@@ -133,7 +133,7 @@ impl Setup {
     ) -> Self {
         assert_eq!(field.width(), WIDTH, "the numbers of \"{}\"", field.name);
         let numbers: Vec<f64> = self.particles.iter().flat_map(numbers).collect();
-        self.own.push(field, &numbers);
+        self.custom.push(field, &numbers);
         self
     }
 
@@ -198,7 +198,7 @@ impl Setup {
         };
         let particles = self.particles.iter().map(on_lattice).collect();
         let bed = Snapshot {
-            own: self.own.extended(self.particles.len()),
+            custom: self.custom.extended(self.particles.len()),
             ..Snapshot::new_bed(particles, self.size_range()?, self.physics.time_step)
         };
         let mut run = self.run_from(&bed, grid, ranks)?;
@@ -227,8 +227,8 @@ impl Setup {
         ranks: &'a dyn Communicator,
     ) -> Result<Run<'a>, SetupError> {
         self.check()?;
-        let own = self.own_of(snapshot)?;
-        self.run_from(&Snapshot { own, ..snapshot.clone() }, grid, ranks)
+        let custom = self.custom_of(snapshot)?;
+        self.run_from(&Snapshot { custom, ..snapshot.clone() }, grid, ranks)
     }
 
     /// Makes lists and ghosts for a state that all ranks have completely. Collective.
@@ -262,19 +262,19 @@ impl Setup {
     ///
     /// # Errors
     /// If the snapshot has a field that this setup does not know.
-    fn own_of(&self, snapshot: &Snapshot) -> Result<OwnFields, SetupError> {
+    fn custom_of(&self, snapshot: &Snapshot) -> Result<CustomFields, SetupError> {
         let has_name = |name| move |field: &&Field| field.name == name;
-        let known = |field: &&Field| self.own.fields.iter().find(has_name(field.name)).is_none();
-        if let Some(unknown) = snapshot.own.fields.iter().find(known) {
+        let known = |field: &&Field| self.custom.fields.iter().find(has_name(field.name)).is_none();
+        if let Some(unknown) = snapshot.custom.fields.iter().find(known) {
             return Err(SetupError::UnknownField { name: unknown.name });
         }
-        let mut own = OwnFields::default();
-        for &field in &self.own.fields {
-            let place = snapshot.own.fields.iter().position(|other| other.name == field.name);
+        let mut custom = CustomFields::default();
+        for &field in &self.custom.fields {
+            let place = snapshot.custom.fields.iter().position(|other| other.name == field.name);
             let zeros = || vec![0.0; snapshot.particles.len() * field.width()];
-            own.push(field, &place.map_or_else(zeros, |place| snapshot.own.column(place)));
+            custom.push(field, &place.map_or_else(zeros, |place| snapshot.custom.column(place)));
         }
-        Ok(own)
+        Ok(custom)
     }
 
     /// The models for particles of these sizes.

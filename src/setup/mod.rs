@@ -27,11 +27,10 @@ mod layout;
 mod run;
 mod setup_error;
 mod snapshot;
-mod spheres;
 
+pub use crate::beds::{Layers, Sphere};
 pub use builder::Setup;
 pub use layout::{Layout, LayoutError};
 pub use run::Run;
 pub use setup_error::SetupError;
 pub use snapshot::{DistributedState, Snapshot};
-pub use spheres::{Layers, Sphere};

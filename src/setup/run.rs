@@ -117,9 +117,10 @@ impl Run<'_> {
         if needs.contact_forces {
             refresh_ghosts(state, work, *ranks);
         }
-        let gas_cells = match needs.gas_cells {
-            true => work.gas.sample(&state.gas, &state.particles, *ranks),
-            false => None,
+        let gas_cells = if needs.gas_cells {
+            work.gas.sample(&state.gas, &state.particles, *ranks)
+        } else {
+            None
         };
         let SizeRange { smallest_diameter, largest_diameter, .. } = state.sizes;
         let grid = ColumnGrid::new(&domain.bounds, 1.5 * largest_diameter, 1.0)
@@ -159,7 +160,7 @@ impl Run<'_> {
             departed: *departed,
             sizes: *sizes,
             particles: self.particles().collect(),
-            own: particles.own_fields(),
+            custom: particles.custom_fields(),
             pairs,
             walls,
             cells: self.work.gas.records(gas, self.ranks),

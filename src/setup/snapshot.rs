@@ -8,7 +8,9 @@ use crate::parallel::{
     send_histories_to_owners, send_to_owners, share_with_all,
 };
 use crate::particle_sets::Pair;
-use crate::particles::{AGGLOMERATE, ContactHistories, Contacts, GAS_FORCE, OwnFields, Particles};
+use crate::particles::{
+    AGGLOMERATE, ContactHistories, Contacts, CustomFields, GAS_FORCE, Particles,
+};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
 
 /// A state as records: of all particles, or of those that one rank has. A run that continues from it gives the same
@@ -24,7 +26,7 @@ pub struct Snapshot {
     /// Particles.
     pub particles: Vec<ParticleRecord>,
     /// Custom fields of these particles, in the same order.
-    pub own: OwnFields,
+    pub custom: CustomFields,
     /// Histories of touching pairs.
     pub pairs: Vec<ContactRecord>,
     /// Histories of contacts with walls.
@@ -53,7 +55,7 @@ impl Snapshot {
             departed: Departed::default(),
             sizes,
             particles,
-            own: OwnFields::default(),
+            custom: CustomFields::default(),
             pairs: Vec::new(),
             walls: Vec::new(),
             cells: Vec::new(),
@@ -70,7 +72,7 @@ impl Snapshot {
         let here = (ranks.rank()..self.particles.len()).step_by(ranks.size());
         Self {
             particles: share(&self.particles, ranks),
-            own: self.own.select(here),
+            custom: self.custom.select(here),
             pairs: share(&self.pairs, ranks),
             walls: share(&self.walls, ranks),
             cells: share(&self.cells, ranks),
@@ -82,10 +84,11 @@ impl Snapshot {
     /// This snapshot with the records of all ranks on every rank, sorted by their ids. Collective.
     pub fn gathered(self, ranks: &dyn Communicator) -> Self {
         let particles = share_with_all(self.particles, ranks);
-        let own = OwnFields { numbers: share_with_all(self.own.numbers, ranks), ..self.own };
+        let custom =
+            CustomFields { numbers: share_with_all(self.custom.numbers, ranks), ..self.custom };
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_by_key(|&index| particles[index].id);
-        let own = own.select(order.iter().copied());
+        let custom = custom.select(order.iter().copied());
         let particles: Vec<ParticleRecord> = order.iter().map(|&index| particles[index]).collect();
         let mut pairs = share_with_all(self.pairs, ranks);
         let mut walls = share_with_all(self.walls, ranks);
@@ -95,7 +98,7 @@ impl Snapshot {
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
         cells.sort_by_key(|record| record.cell);
         looked_at.iter_mut().for_each(|pairs| pairs.sort_unstable());
-        Self { particles, own, pairs, walls, cells, looked_at, ..self }
+        Self { particles, custom, pairs, walls, cells, looked_at, ..self }
     }
 
     /// Sends the records, each of which is on one rank, to the ranks that own them. Collective.
@@ -107,12 +110,12 @@ impl Snapshot {
         ranks: &dyn Communicator,
     ) -> DistributedState {
         let Self { clock, departed, sizes, gas_report, looked_at, .. } = self;
-        let (records, own) = send_to_owners(self.particles, self.own, decomposition, ranks);
+        let (records, custom) = send_to_owners(self.particles, self.custom, decomposition, ranks);
         let mut particles = Particles::with_room_for(records.len());
-        own.fields.iter().for_each(|&field| particles.columns.add(field));
+        custom.fields.iter().for_each(|&field| particles.columns.add(field));
         for (index, record) in records.iter().enumerate() {
             record.push_to(&mut particles);
-            particles.set_own_row(index, own.row(index));
+            particles.set_custom_row(index, custom.row(index));
         }
         let histories = send_histories_to_owners(self.pairs, self.walls, &particles.id, ranks);
         let subdomain = decomposition.subdomain(bounds, ranks.rank());
@@ -141,9 +144,9 @@ impl Snapshot {
 
     /// The records, for a digest.
     pub fn records(&self) -> StateRecords<'_, [ParticleRecord]> {
-        let Self { particles, own, pairs, walls, cells, looked_at, .. } = self;
+        let Self { particles, custom, pairs, walls, cells, looked_at, .. } = self;
         let looked_at = looked_at.as_deref().unwrap_or_default();
-        StateRecords { particles, own, contacts: pairs, wall_contacts: walls, cells, looked_at }
+        StateRecords { particles, custom, contacts: pairs, wall_contacts: walls, cells, looked_at }
     }
 
     /// All its bits, which are equal only for equal states.
@@ -155,7 +158,7 @@ impl Snapshot {
         bytes.extend_from_slice(bytemuck::cast_slice(&self.cells));
         let looked_at = self.looked_at.as_deref().unwrap_or_default();
         bytes.extend_from_slice(bytemuck::cast_slice(looked_at));
-        bytes.extend_from_slice(bytemuck::cast_slice(&self.own.numbers));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.custom.numbers));
         bytes.extend_from_slice(&clock.step.to_le_bytes());
         departed.bits().for_each(|bits| bytes.extend_from_slice(&bits.to_le_bytes()));
         bytes

@@ -1,8 +1,9 @@
 //! Division of the box of a case among the ranks.
 
+use crate::balance::{Cuts, RankLoad};
 use crate::case::{Case, RankLayout};
 use crate::domain::{Decomposition, RankGrid};
-use crate::parallel::{Communicator, ParticleRecord, RankLoad};
+use crate::parallel::{Communicator, ParticleRecord};
 use crate::setup::{Layout, LayoutError};
 use crate::state::SizeRange;
 use nalgebra::Vector3;
@@ -34,8 +35,9 @@ pub(super) fn divide(
         return Ok(even);
     }
     let positions = particles.iter().map(|record| (Vector3::from(record.position), 0));
-    let width = layout.ghost_width;
-    layout.align(RankLoad::UNKNOWN.balanced(&even, positions, layout.bounds, width, ranks))
+    let (bounds, least_width) = (layout.bounds, layout.ghost_width);
+    let cuts = Cuts { bounds, decomposition: &even, least_width };
+    layout.align(RankLoad::UNKNOWN.balanced(cuts, positions, ranks))
 }
 
 /// Requirements for the division of the case's box.

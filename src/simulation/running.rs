@@ -241,9 +241,10 @@ impl<'a> Simulation<'a> {
         });
         let is_asked_for = case.output.walls.is_some();
         let wall_forces = if is_asked_for { wall_forces(view, *ranks) } else { Vec::new() };
-        let columns = match outputs.shows_particles(&state.clock) {
-            true => particle_columns::values(case, view, measuring, *ranks),
-            false => Vec::new(),
+        let columns = if outputs.shows_particles(&state.clock) {
+            particle_columns::values(case, view, measuring, *ranks)
+        } else {
+            Vec::new()
         };
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
@@ -278,9 +279,10 @@ impl<'a> Simulation<'a> {
             // Their velocities are those of the half step before; the next step sets them again in any case.
             time_step::refresh_ghosts(state, work, *ranks);
         }
-        let gas_cells = match needs.gas_cells {
-            true => work.gas.sample(&state.gas, &state.particles, *ranks),
-            false => None,
+        let gas_cells = if needs.gas_cells {
+            work.gas.sample(&state.gas, &state.particles, *ranks)
+        } else {
+            None
         };
         let run = RunView { state, domain: &case.domain, models, work };
         let series = needs.series.then(|| measure(run, profile, None, *ranks));
@@ -304,7 +306,7 @@ impl<'a> Simulation<'a> {
             case_text: case.text.clone(),
             case_folder: folder.case_folder.display().to_string(),
             particles: records(case, state),
-            own: state.particles.own_fields(),
+            custom: state.particles.custom_fields(),
             contacts: pairs,
             wall_contacts: walls,
             cells: work.gas.records(&state.gas, *ranks),

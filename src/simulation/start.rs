@@ -9,7 +9,7 @@ use crate::gas::GasState;
 use crate::measures::MeasureState;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{CollectiveError, Communicator, ParticleRecord, WallContactRecord, agree};
-use crate::particles::{ContactHistories, OwnFields};
+use crate::particles::{ContactHistories, CustomFields};
 use crate::setup::{DistributedState, LayoutError, Snapshot};
 use crate::state::{SizeRange, State, Workspace};
 use std::path::Path;
@@ -99,7 +99,7 @@ pub fn start_from_case(
         BedStart::Run { path } => {
             let (end, _, digest) = checkpoint::read(path, ranks)?;
             require_same_parcels(&changes(&end.case_text, &case.text))?;
-            require_known_fields(&end.own)?;
+            require_known_fields(&end.custom)?;
             begins_with = Some(digest);
             // The gas starts from rest.
             let (pairs, walls, gas_report) = (end.contacts, end.wall_contacts, end.gas_report);
@@ -126,9 +126,10 @@ pub fn start_from_checkpoint(
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
     let ledger = checkpoint.energy.as_ref().map(|ledger| Box::new(ledger.restored()));
-    require_known_fields(&checkpoint.own)?;
-    let Checkpoint { clock, departed, sizes, particles, own, cells, gas_report, looked_at, .. } =
-        checkpoint;
+    require_known_fields(&checkpoint.custom)?;
+    let Checkpoint {
+        clock, departed, sizes, particles, custom, cells, gas_report, looked_at, ..
+    } = checkpoint;
     let before =
         Case::of_earlier_run(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
     let over = before.as_ref().map_or(0, |before| before.stage_number_at(clock.time()));
@@ -145,7 +146,7 @@ pub fn start_from_checkpoint(
         departed,
         sizes,
         particles,
-        own,
+        custom,
         pairs,
         walls,
         cells,
@@ -158,9 +159,9 @@ pub fn start_from_checkpoint(
     Ok(initial)
 }
 
-/// Rejects custom fields: only the program that has added a field to the particles can advance it.
-fn require_known_fields(own: &OwnFields) -> Result<(), StartError> {
-    match own.fields.first() {
+/// What a program has added to the particles, only that program can advance.
+fn require_known_fields(custom: &CustomFields) -> Result<(), StartError> {
+    match custom.fields.first() {
         Some(field) => Err(StartError::UnknownField { name: field.name, meaning: field.meaning }),
         None => Ok(()),
     }

@@ -1,7 +1,6 @@
 //! The three kinds of data: the contents of a checkpoint ([`State`]), the choices of the case ([`Models`]), and data
 //! that can be dropped and rebuilt at any time ([`Workspace`]).
 
-mod balance;
 mod clock;
 mod domain;
 mod energy_ledger;
@@ -9,11 +8,9 @@ mod limits;
 mod models;
 mod physics;
 mod run_state;
-mod step_times;
 mod workspace;
 
 pub use crate::gas::GasReport;
-pub use balance::Balance;
 pub use clock::Clock;
 pub use domain::Domain;
 pub use energy_ledger::{
@@ -23,5 +20,4 @@ pub use limits::{Limits, SizeRange};
 pub use models::Models;
 pub use physics::Physics;
 pub use run_state::{Departed, State};
-pub use step_times::{LoadTimes, StepTimes};
 pub use workspace::{Requests, Workspace};

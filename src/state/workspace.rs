@@ -1,10 +1,11 @@
 //! Data that can be dropped and rebuilt at any time.
 
-use super::{Balance, Domain, Models, SizeRange, StepTimes};
+use super::{Domain, Models, SizeRange, State};
+use crate::balance::{Balance, Cuts, LoadBalance};
 use crate::contact::WallTallies;
-use crate::domain::{Decomposition, WallPose};
+use crate::domain::{Bounds, Decomposition, WallPose};
 use crate::gas::GasSolver;
-use crate::parallel::ParticleHalo;
+use crate::parallel::{Communicator, ParticleHalo};
 use crate::particles::{ListRange, NeighbourList, Skin};
 use crate::timers::{Phase, Timers};
 use std::fmt::Display;
@@ -25,10 +26,8 @@ pub struct Workspace {
     pub list_range: ListRange,
     /// Least width of a subdomain: that of the widest ghost layer of any stage, with the narrowest skin.
     pub least_width: f64,
-    /// Schedule by which cut planes move.
-    pub balance: Option<Balance>,
-    /// Decomposition to use when particles are next sent to their owners, if the loads were uneven at the last check.
-    pub planned: Option<Decomposition>,
+    /// Whether cut planes move, and where to.
+    pub balance: LoadBalance,
     /// Positions of the walls at this step.
     pub wall_poses: Vec<WallPose>,
     /// The gas of the present stage.
@@ -37,8 +36,6 @@ pub struct Workspace {
     pub on_walls: WallTallies,
     /// Time spent.
     pub timers: Timers,
-    /// Times of the steps since the last check of the ranks' loads.
-    pub step_times: StepTimes,
     /// The first error on this rank, until the ranks next agree.
     pub fault: Option<String>,
     /// Requests to this rank.
@@ -66,8 +63,7 @@ impl Workspace {
         Self {
             neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
-            balance: balance.filter(|_| several_ranks),
-            planned: None,
+            balance: LoadBalance::new(balance.filter(|_| several_ranks)),
             decomposition,
             skin,
             list_range: ListRange { interaction: 0.0, skin: skin.narrowest() },
@@ -76,7 +72,6 @@ impl Workspace {
             gas: GasSolver::None,
             on_walls: WallTallies::default(),
             timers: Timers::default(),
-            step_times: StepTimes::default(),
             fault: None,
             requests: Requests::default(),
         }
@@ -101,11 +96,18 @@ impl Workspace {
         }
     }
 
-    /// Records the duration of the previous step, if cut planes depend on it.
-    pub fn note_step(&mut self) {
-        if self.balance.is_some() {
-            self.step_times.note(&self.timers);
-        }
+    /// Checks the ranks' loads if it is time for that, given whether lists are rebuilt anyway. Collective.
+    pub fn check_loads(
+        &mut self,
+        rebuilt_anyway: bool,
+        state: &State,
+        bounds: &Bounds,
+        ranks: &dyn Communicator,
+    ) {
+        let State { particles, contacts, clock, .. } = state;
+        let (decomposition, least_width) = (&self.decomposition, self.least_width);
+        let cuts = Cuts { bounds, decomposition, least_width };
+        self.balance.check((clock.step, rebuilt_anyway), particles, contacts, cuts, ranks);
     }
 
     /// Moves the walls to their positions at the end of a step of this length.

@@ -2,7 +2,6 @@
 //! kept for long.
 
 use super::StepError;
-use super::rebuild::is_overdue_and_uneven;
 use crate::domain::{Face, PosedWalls};
 use crate::parallel::{CollectiveError, Communicator, agree};
 use crate::particles::{DriftStep, PairCounts, Particles};
@@ -39,8 +38,10 @@ pub(super) fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<StepDecision, StepError> {
-    let uneven =
-        work.time(Phase::Decide, |work| is_overdue_and_uneven(state, &domain.bounds, work, ranks));
+    if work.balance.is_overdue(state.clock.step) {
+        work.time(Phase::Decide, |work| work.check_loads(false, state, &domain.bounds, ranks));
+    }
+    let uneven = work.balance.has_plan();
     let Workspace { neighbours, wall_poses, timers, list_range, fault, requests, .. } = work;
     let step = state.clock.step;
     timers.time(Phase::Decide, || {

@@ -107,9 +107,7 @@ pub fn begin(
 ) -> Result<(), StepError> {
     let step = state.clock.step;
     work.move_walls(domain, state.clock.time(), 0.0);
-    if let Some(balance) = &mut work.balance {
-        balance.begin(step);
-    }
+    work.balance.begin(step);
     work.time(Phase::Rebuild, |work| arrange(state, domain, models, work, histories, ranks))
         .map_err(|error| StepError::unstable(step, error))
 }
@@ -177,7 +175,7 @@ fn move_bodies(
     models: &Models,
     work: &mut Workspace,
 ) -> Displacement {
-    work.note_step();
+    work.balance.note_step(&work.timers);
     let quantum = domain.bounds.position_quantum();
     let weight = models.weight_at(state.clock.time());
     let step = DriftStep { dt: models.physics.time_step, quantum, weight };

@@ -5,11 +5,9 @@ use super::energy::add_departure;
 use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
 use crate::gas::{GasLayout, ParticleLimits};
 use crate::numbers::ExactSum;
-use crate::parallel::{
-    CollectiveError, Communicator, RankLoad, RankWork, agree, migrate, share_with_all,
-};
+use crate::parallel::{CollectiveError, Communicator, agree, migrate, share_with_all};
 use crate::particles::{ContactHistories, Particles};
-use crate::state::{Domain, LoadTimes, Models, State, Workspace};
+use crate::state::{Domain, Models, State, Workspace};
 use std::collections::HashSet;
 
 /// Discards the lists and makes new ones; the histories of contacts are kept. Collective.
@@ -23,7 +21,7 @@ pub(super) fn rebuild(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    look_at_loads(true, state, &domain.bounds, work, ranks);
+    work.check_loads(true, state, &domain.bounds, ranks);
     let histories = state.contacts.histories(&state.particles);
     state.particles.drop_ghosts();
     check_speeds(&state.particles, models.limits.speed, ranks)?;
@@ -48,7 +46,7 @@ pub(super) fn arrange(
     let before = work.decomposition.clone();
     remove_departed(state, domain, &mut histories, ranks);
     wrap_positions(&mut state.particles, &mut histories, &domain.bounds);
-    if let Some(planned) = work.planned.take() {
+    if let Some(planned) = work.balance.take_plan() {
         work.decomposition = planned;
     }
     work.decomposition = models.physics.gas.align(&work.decomposition, work.least_width)?;
@@ -136,50 +134,6 @@ fn remove_departed(
     state.departed.volume += ExactSum::from_integers(&integers).value();
     histories.retain_particles(|id| !departed.contains(&id));
     particles.select(&staying);
-}
-
-/// Checks the ranks' loads if a check is overdue. Returns whether they are uneven, so that lists must be rebuilt for
-/// the planes to move. Collective.
-pub(super) fn is_overdue_and_uneven(
-    state: &State,
-    bounds: &Bounds,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-) -> bool {
-    if work.balance.is_some_and(|balance| balance.is_overdue(state.clock.step)) {
-        look_at_loads(false, state, bounds, work, ranks);
-    }
-    work.planned.is_some()
-}
-
-/// Checks the ranks' loads if it is time to do so, and plans other cut planes if the loads are uneven. With
-/// `rebuilt_anyway`, lists are rebuilt at this step in any case. Collective.
-fn look_at_loads(
-    rebuilt_anyway: bool,
-    state: &State,
-    bounds: &Bounds,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-) {
-    let Some(balance) = work.balance.as_mut() else { return };
-    if !balance.look(state.clock.step) {
-        return;
-    }
-    let LoadTimes { on_particles, on_pairs } = work.step_times.take_mean();
-    let pairs = state.contacts.active_counts(&state.particles);
-    let pair_count = pairs.iter().map(|&count| count as usize).sum();
-    let on_particles = RankWork { count: state.particles.owned_count(), time: on_particles };
-    let on_pairs = RankWork { count: pair_count, time: on_pairs };
-    let load = RankLoad::measured(on_particles, on_pairs, ranks);
-    if ranks.is_root() {
-        log::debug!("step {}: largest over mean load {:.3}", state.clock.step, load.imbalance);
-    }
-    if balance.are_uneven(load.imbalance, rebuilt_anyway) {
-        let positions = state.particles.body.iter().map(|body| bounds.wrap(body.position));
-        let particles = positions.zip(pairs.iter().copied()); // ghosts are left out
-        let (now, width) = (&work.decomposition, work.least_width);
-        work.planned = Some(load.balanced(now, particles, bounds, width, ranks));
-    }
 }
 
 /// Brings the gas to the ranks of the new decomposition. Collective.

@@ -6,6 +6,7 @@ pub(crate) mod delayed;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::ops::{Deref, DerefMut};
+use talcum::balance::Balance;
 use talcum::contact::{
     ByPair, BySpecies, CohesionExpression, ContactModel, Exchanges, FrictionCap,
     LinearSpringDashpot, VanDerWaals,
@@ -18,7 +19,7 @@ use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{Communicator, OneRank, ParticleRecord, run_on_threads};
 pub(crate) use talcum::setup::Snapshot;
 use talcum::setup::{self, Setup, Sphere};
-use talcum::state::{Balance, Domain, Physics, SizeRange};
+use talcum::state::{Domain, Physics, SizeRange};
 use talcum::time_step::StepError;
 
 pub(crate) const PERIODIC: [Face; 2] = [Face::Periodic; 2];

@@ -22,7 +22,7 @@ use talcum::parallel::{
     Communicator, ContactRecord, FileAccess, Message, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
-use talcum::particles::OwnFields;
+use talcum::particles::CustomFields;
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
 
 /// Environment variable with the role of a rank: what it does.
@@ -243,7 +243,7 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         case_text: "title = \"A bed\"".to_owned(),
         case_folder: String::new(),
         particles: (0..count).filter(mine).map(particle).collect(),
-        own: OwnFields::default(),
+        custom: CustomFields::default(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
@@ -272,14 +272,13 @@ fn write(ranks: &MpiRanks, folder: &Path) {
     assert!(refused.unwrap_err().message.contains("HDF5 says"));
     let path = folder.join(format!("particles-{}.vtkhdf", ranks.size()));
     let head = Head { case_text: "", provenance: &provenance };
-    let mut snapshots =
-        ParticleSnapshots::create(&path, head, &SnapshotFormat::default(), ranks).unwrap();
+    let format = SnapshotFormat::default();
+    let mut snapshots = ParticleSnapshots::open(&path, &format, head, None, ranks).unwrap();
     for (step, count) in COUNTS.into_iter().enumerate() {
         snapshots.append(step as f64, &share(count, ranks).particles, &[], ranks).unwrap();
     }
     snapshots.commit(ranks).unwrap();
-    let mut snapshots =
-        ParticleSnapshots::resume(&path, 1.0, head, &SnapshotFormat::default(), ranks).unwrap();
+    let mut snapshots = ParticleSnapshots::open(&path, &format, head, Some(1.0), ranks).unwrap();
     snapshots.append(2.0, &share(3, ranks).particles, &[], ranks).unwrap();
 }
 
@@ -322,10 +321,8 @@ fn open(ranks: &MpiRanks, folder: &Path) {
 fn names_below(folder: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
-    paths
-        .flat_map(|path| match path.is_dir() {
-            true => names_below(&path),
-            false => vec![path.display().to_string()],
-        })
-        .collect()
+    let names = |path: PathBuf| {
+        if path.is_dir() { names_below(&path) } else { vec![path.display().to_string()] }
+    };
+    paths.flat_map(names).collect()
 }

@@ -3,13 +3,13 @@
 
 use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Snapshot, attraction};
 use nalgebra::Vector3;
+use talcum::balance::Balance;
 use talcum::contact::{
     CohesionExpression, ContactLaw, ContactModel, ContactModuli, ExampleScales, HertzMindlin,
     RollingFriction, RollingKind, TwistingFriction,
 };
 use talcum::domain::{EffectiveGravity, RankGrid, Wall, WallMotion};
 use talcum::parallel::run_on_threads;
-use talcum::state::Balance;
 
 const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [1, 1, 3], [2, 2, 1], [3, 1, 2]];
 const STEPS: u64 = 3000;

@@ -9,9 +9,9 @@ use crate::dense_beds::{bed_of_two_species, polydisperse_bed, vibrated_bed};
 use std::collections::BTreeSet;
 use std::time::Instant;
 use talcum::analysis::{Digest, StateRecords};
+use talcum::balance::Balance;
 use talcum::domain::{EffectiveGravity, RankGrid};
 use talcum::parallel::{OneRank, run_on_threads};
-use talcum::state::Balance;
 
 const STEPS: u64 = 3000;
 
@@ -22,9 +22,9 @@ fn after(bench: &Bench, grid: [usize; 3], steps: u64) -> Snapshot {
 
 /// Digest of a whole state.
 fn digest(state: &Snapshot) -> Digest {
-    let Snapshot { particles, own, pairs, walls, cells, clock, .. } = state;
+    let Snapshot { particles, custom, pairs, walls, cells, clock, .. } = state;
     let records = StateRecords {
-        own,
+        custom,
         particles: &particles[..],
         contacts: pairs,
         wall_contacts: walls,

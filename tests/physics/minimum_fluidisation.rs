@@ -3,12 +3,12 @@
 use crate::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, gas};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
+use talcum::analysis::minimum_fluidisation::minimum_fluidisation_velocity;
 use talcum::domain::{EffectiveGravity, RankGrid};
 use talcum::gas::{BaseNode, DragLaw, DragShare, Drive, Ergun, ParticleDrag};
 use talcum::numbers::Schedule;
 use talcum::parallel::OneRank;
 use talcum::particles::ForceTorque;
-use talcum::rules::minimum_fluidisation_velocity;
 
 const STOKES: f64 = 55.0;
 /// The bed is poured until then; the gas rises from SLOWEST to FASTEST in RISE time units afterwards.

@@ -13,7 +13,7 @@ use talcum::parallel::{
     CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
     run_on_threads,
 };
-use talcum::particles::{ContactState, OwnFields};
+use talcum::particles::{ContactState, CustomFields};
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -63,7 +63,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         case_text: "title = \"Grüße\"\n".repeat(if count > 5 { 6000 } else { 1 }),
         case_folder: "/some/where".to_owned(),
         particles: (0..count).map(|k| k * 10).filter(mine).map(particle).collect(),
-        own: OwnFields::default(),
+        custom: CustomFields::default(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: (0..count / 4).filter(mine).map(wall_contact).collect(),
         cells: (0..count / 3).filter(mine).map(cell).collect(),
@@ -430,7 +430,7 @@ fn fields_that_are_zero_take_no_dataset_and_those_that_are_not_must_be_there() {
 }
 
 #[test]
-fn own_fields_come_back_on_any_number_of_ranks_and_are_part_of_the_digest() {
+fn custom_fields_come_back_on_any_number_of_ranks_and_are_part_of_the_digest() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
     let temperature = Field::new("temperature", Kind::Number, Unit::Named("K"), "temperature");
@@ -441,8 +441,8 @@ fn own_fields_come_back_on_any_number_of_ranks_and_are_part_of_the_digest() {
             share.particles.iter().map(|particle| number(particle.id as f64)).collect()
         };
         let (kelvins, axes) = (of_each(|id| 300.0 + id), of_each(|id| 0.1 * id));
-        share.own.push(temperature, &kelvins);
-        share.own.push(director, &axes.iter().flat_map(|x| [*x, 0.0, -x]).collect::<Vec<f64>>());
+        share.custom.push(temperature, &kelvins);
+        share.custom.push(director, &axes.iter().flat_map(|x| [*x, 0.0, -x]).collect::<Vec<f64>>());
         share
     };
     let without = write(&path, &share(40, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
@@ -455,11 +455,11 @@ fn own_fields_come_back_on_any_number_of_ranks_and_are_part_of_the_digest() {
         for (found, _, digest) in shares {
             assert_eq!(digest, digests[0]);
             let fields: Vec<_> =
-                found.own.fields.iter().map(|field| (field.name, field.width())).collect();
+                found.custom.fields.iter().map(|field| (field.name, field.width())).collect();
             assert_eq!(fields, [("director", 3), ("temperature", 1)]);
             for (index, particle) in found.particles.iter().enumerate() {
                 let id = particle.id as f64;
-                assert_eq!(found.own.row(index), [0.1 * id, 0.0, -0.1 * id, 300.0 + id]);
+                assert_eq!(found.custom.row(index), [0.1 * id, 0.0, -0.1 * id, 300.0 + id]);
             }
         }
     }

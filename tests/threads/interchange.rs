@@ -17,9 +17,10 @@ fn datasets(path: &Path) -> BTreeMap<String, (Vec<usize>, Vec<u64>)> {
     while let Some(group) = groups.pop() {
         groups.extend(group.groups().unwrap());
         for dataset in group.datasets().unwrap() {
-            let bits = match dataset.dtype().unwrap().is::<f64>() {
-                true => dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect(),
-                false => dataset.read_raw::<u64>().unwrap_or_default(),
+            let bits = if dataset.dtype().unwrap().is::<f64>() {
+                dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+            } else {
+                dataset.read_raw::<u64>().unwrap_or_default()
             };
             found.insert(dataset.name(), (dataset.shape(), bits));
         }

@@ -1,15 +1,17 @@
-//! Minimum fluidisation velocity from ramps of the superficial gas velocity, up and down.
+//! Minimum fluidisation velocity: that of a force balance, and that from ramps of the superficial gas velocity, up and down.
 //!
 //! In the packed bed the pressure drop over the weight follows Ergun's form dp = a U + b U^2 (S. Ergun, Chem. Eng.
 //! Prog. 48 (1952) 89-94), with two constants that are free but not negative; in the fluidised bed it is a plateau P.
 //! They meet at U_mf = 2 P / (a + sqrt(a^2 + 4 b P)).
 
 mod fit;
+mod force_balance;
 mod ramps;
 #[cfg(test)]
 mod tests;
 
 pub use fit::{Fit, fit_branch};
+pub use force_balance::{gas_force_at_rest, minimum_fluidisation_velocity, velocity_of_balance};
 pub use ramps::{Branch, Direction, Series};
 
 use crate::analysis::no_value::{Estimate, NoValue};

@@ -126,9 +126,8 @@ impl Ruler<'_> {
         if !(is_usable(from.x, to.x) && is_usable(from.y, to.y) && is_usable(from.z, to.z)) {
             return;
         }
-        let ends = [0, 1, 2].map(|axis| match self.is_whole[axis] {
-            true => [0, 0],
-            false => ends_of(from[axis], to[axis], along[axis]),
+        let ends = [0, 1, 2].map(|axis| {
+            if self.is_whole[axis] { [0, 0] } else { ends_of(from[axis], to[axis], along[axis]) }
         });
         let [mut index, last] = [0, 1].map(|end| [ends[0][end], ends[1][end], ends[2][end]]);
         let mut crossings = Crossings::default();

@@ -227,9 +227,10 @@ impl StressMeasurement {
             contact: Vector3::new(fx, fy, fz),
             cohesive: Vector3::new(cx, cy, cz),
         };
-        match largest.cohesive == Vector3::zeros() {
-            true => self.shared(contacts, &Quanta::<DYAD>::spanning(dyads(&largest)), ranks),
-            false => self.shared(contacts, &Quanta::<DYADS>::spanning(dyads(&largest)), ranks),
+        if largest.cohesive == Vector3::zeros() {
+            self.shared(contacts, &Quanta::<DYAD>::spanning(dyads(&largest)), ranks)
+        } else {
+            self.shared(contacts, &Quanta::<DYADS>::spanning(dyads(&largest)), ranks)
         }
     }
 

@@ -335,12 +335,11 @@ fn bed_state(shares: &StateShares, heights: &[HeightState], swept: f64) -> BedSt
         if swept >= LEAST_SWEPT {
             return if swept >= WHOLE { BedState::Waves } else { BedState::WavesInPart };
         }
-        let still = shares.frozen + shares.rising_plug;
-        return match still > shares.disordered {
-            false => BedState::Disordered,
-            true if shares.rising_plug > shares.frozen => BedState::RisingPlug,
-            true => BedState::Frozen,
-        };
+        if shares.frozen + shares.rising_plug <= shares.disordered {
+            return BedState::Disordered;
+        }
+        let rises = shares.rising_plug > shares.frozen;
+        return if rises { BedState::RisingPlug } else { BedState::Frozen };
     }
     let alternating = heights.iter().filter(|height| height.changes >= 2).count();
     if shares.waves < WHOLE && 2 * alternating > heights.len() {

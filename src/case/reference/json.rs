@@ -128,9 +128,10 @@ fn value(kind: &Kind) -> Value {
         Kind::Named(keys) => json!({ "type": "object", "additionalProperties": table(keys, true) }),
         Kind::Merged(merged) => {
             let keys = json!({ "$ref": format!("#/definitions/{}", merged.section) });
-            match merged.switched {
-                true => json!({ "anyOf": [keys, { "enum": ["off", "on"] }] }),
-                false => json!({ "allOf": [keys] }),
+            if merged.switched {
+                json!({ "anyOf": [keys, { "enum": ["off", "on"] }] })
+            } else {
+                json!({ "allOf": [keys] })
             }
         }
         Kind::Either(kinds) => {

@@ -1,8 +1,8 @@
 //! Description of keys in the terminal.
 
 use super::super::schema::{CHAPTERS, Chapter};
-use super::super::suggestion::nearest;
 use super::{Explained, Group, Owner, absence, allowed, explained, groups};
+use crate::schema::text::nearest;
 use std::fmt::Write;
 use thiserror::Error;
 

@@ -68,11 +68,10 @@ fn describe(
     let real = work_of_real_particles(partners, &softened);
     let mut text = format!("{:.4e} {}, {}", softened.total(), units.energy, spring_part(&softened));
     if let (Some(real), Some(softening)) = (&real, contact.softening) {
-        text += &match real.surface > 0.0 {
-            true => format!("; at the real stiffness {:.3}", real.spring_part()),
-            false => {
-                format!("; {:.3} of that at the real stiffness", 1.0 + softened.excess_over(real))
-            }
+        text += &if real.surface > 0.0 {
+            format!("; at the real stiffness {:.3}", real.spring_part())
+        } else {
+            format!("; {:.3} of that at the real stiffness", 1.0 + softened.excess_over(real))
         };
         text += &format!(", {} times as stiff", softening.reduction);
     }
@@ -93,9 +92,10 @@ fn describe(
 }
 
 fn spring_part(work: &WorkOfParting) -> String {
-    match work.surface > 0.0 {
-        true => format!("the spring's part {:.3} of the surface's", work.spring_part()),
-        false => "all of it while in contact: it depends on the stiffness".to_owned(),
+    if work.surface > 0.0 {
+        format!("the spring's part {:.3} of the surface's", work.spring_part())
+    } else {
+        "all of it while in contact: it depends on the stiffness".to_owned()
     }
 }
 

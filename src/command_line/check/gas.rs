@@ -2,13 +2,12 @@
 
 use super::lines::Lines;
 use super::particle::ReferenceParticle;
+use crate::analysis::minimum_fluidisation::minimum_fluidisation_velocity;
 use crate::case::{Case, Stage};
 use crate::gas::volume_averaged::{CouplingModel, VolumeAveragedModel};
 use crate::gas::{AgglomerateBall, AgglomerateDrag, DragShare, Drive, GasModel};
 use crate::output::ColumnUnits;
-use crate::rules::{
-    archimedes_number, excess_of_lone_fall, minimum_fluidisation_velocity, stokes_number,
-};
+use crate::rules::{archimedes_number, excess_of_lone_fall, stokes_number};
 use crate::state::SizeRange;
 
 /// Solids fractions of settled beds for which the minimum fluidisation velocity is printed.

@@ -247,13 +247,15 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
             }
             _ => given,
         };
-        match values.is_si() {
-            true => values.note_default(PRIMARY_DIAMETER.name),
-            false => values.require(PRIMARY_DIAMETER.name),
+        if values.is_si() {
+            values.note_default(PRIMARY_DIAMETER.name)
+        } else {
+            values.require(PRIMARY_DIAMETER.name)
         }
-        let primary = match values.is_given("primary_diameter") {
-            true => values.number("primary_diameter"),
-            false => values.is_si().then_some(LIU_PRIMARY_DIAMETER),
+        let primary = if values.is_given("primary_diameter") {
+            values.number("primary_diameter")
+        } else {
+            values.is_si().then_some(LIU_PRIMARY_DIAMETER)
         };
         let cap = FrictionCap::from_keys(values)?;
         let reloading = match values.word(RELOADING.name)? {

@@ -1,4 +1,4 @@
-//! Contact laws from outside the crate.
+//! Custom contact laws: those from outside the crate.
 
 use super::ContactLaw;
 use crate::contact::BlockLaw;

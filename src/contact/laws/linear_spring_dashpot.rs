@@ -206,9 +206,10 @@ impl RegisteredContactLaw for LinearSpringDashpot {
         &[NORMAL_STIFFNESS, TANGENTIAL_STIFFNESS, POISSON_RATIO, FRICTION_CAP];
 
     fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
-        match values.is_cohesive() {
-            true => values.require(FRICTION_CAP.name),
-            false => values.note_default(FRICTION_CAP.name),
+        if values.is_cohesive() {
+            values.require(FRICTION_CAP.name)
+        } else {
+            values.note_default(FRICTION_CAP.name)
         }
         let normal = values.number("normal_stiffness")?;
         let tangential = match values.given(&["tangential_stiffness", "poisson_ratio"])? {

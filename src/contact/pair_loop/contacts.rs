@@ -85,10 +85,8 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
             let ends = [&pairs.first, &pairs.second];
-            let coming = match fetches {
-                true => ComingBlocks::first_of(coming),
-                false => ComingBlocks::default(),
-            };
+            let coming =
+                if fetches { ComingBlocks::first_of(coming) } else { ComingBlocks::default() };
             block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
             attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);

@@ -249,9 +249,10 @@ impl ColumnSolver {
     }
 
     fn add_to(&self, loads: &mut [ForceTorque], ids: &[u64]) -> Result<(), GasForceOutOfRange> {
-        let column = self.particles_in(match self.velocities.is_empty() {
-            true => SuperficialVelocity::Uniform(self.superficial_velocity),
-            false => SuperficialVelocity::Between(&self.between_velocities),
+        let column = self.particles_in(if self.velocities.is_empty() {
+            SuperficialVelocity::Uniform(self.superficial_velocity)
+        } else {
+            SuperficialVelocity::Between(&self.between_velocities)
         });
         let added = add_forces(column, self.gas.lateral_drag, self.quantum, self.limit, loads);
         added.map_err(|too_large| GasForceOutOfRange::Particle {

@@ -102,10 +102,11 @@ impl ParticleDrag {
 /// large B.
 fn brinkman_factor(ratio: f64) -> f64 {
     let square = ratio * ratio;
-    // The difference has lost its digits, so its series is used, which is accurate to a part in 10^8 there.
-    let inside = match ratio < 0.01 {
-        true => square / 3.0 * (1.0 - 0.4 * square),
-        false => 1.0 - libm::tanh(ratio) / ratio,
+    // The difference has lost its digits: its series, good to a part in 10^8 there.
+    let inside = if ratio < 0.01 {
+        square / 3.0 * (1.0 - 0.4 * square)
+    } else {
+        1.0 - libm::tanh(ratio) / ratio
     };
     2.0 * square * inside / (2.0 * square + 3.0 * inside)
 }

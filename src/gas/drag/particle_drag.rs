@@ -30,10 +30,8 @@ impl ParticleDrag {
     /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
     #[inline(always)]
     pub fn per_velocity(&self, diameter: f64, solids_fraction: f64, slip: f64) -> f64 {
-        let reynolds = match self.law.depends_on_reynolds() {
-            true => self.reynolds(diameter, slip),
-            false => 0.0,
-        };
+        let reynolds =
+            if self.law.depends_on_reynolds() { self.reynolds(diameter, slip) } else { 0.0 };
         self.stokes(diameter) * self.law.scaled_drag(solids_fraction, reynolds)
     }
 

@@ -94,9 +94,10 @@ impl<'a> Advection<'a> {
     pub(super) fn add(&mut self, rate: &mut Field, axis: usize, velocity: &Field, layers: &Layers) {
         let LocalGas { part, gas } = self.local;
         for direction in 0..3 {
-            let region = match direction == axis {
-                true => Region::inner_faces(part, axis, gas),
-                false => Region::free_faces(part, axis, gas),
+            let region = if direction == axis {
+                Region::inner_faces(part, axis, gas)
+            } else {
+                Region::free_faces(part, axis, gas)
             };
             self.add_along(direction, rate, (axis, velocity), region.in_layers(layers));
         }

@@ -323,11 +323,10 @@ impl NavierStokesSolver {
         }
         let rate = step_number(courant, viscous);
         let (courant, viscous) = (dt * courant, dt * viscous);
-        match dt * rate <= LARGEST_STEP_NUMBER {
-            true => Ok((courant, viscous)),
-            false => {
-                Err(NavierStokesError::StepTooLong { dt, courant, viscous, longest: 1.0 / rate })
-            }
+        if dt * rate <= LARGEST_STEP_NUMBER {
+            Ok((courant, viscous))
+        } else {
+            Err(NavierStokesError::StepTooLong { dt, courant, viscous, longest: 1.0 / rate })
         }
     }
 

@@ -210,12 +210,11 @@ fn friction(component: Component, viscosity: f64) -> Field {
     let mut friction = Field::new(component.part, GAS_HALO);
     let Region { from, to } = Region::widened(component.part, GAS_HALO as isize);
     for (i, j) in (from[1]..to[1]).flat_map(|j| (from[0]..to[0]).map(move |i| (i, j))) {
-        let coefficient = match component.is_open([i, j]) {
-            true => {
-                let neighbours = component.closed_neighbours([i, j]);
-                viscosity * neighbours.map(|it| component.friction_at(it)).sum::<f64>()
-            }
-            false => f64::INFINITY,
+        let coefficient = if component.is_open([i, j]) {
+            let neighbours = component.closed_neighbours([i, j]);
+            viscosity * neighbours.map(|it| component.friction_at(it)).sum::<f64>()
+        } else {
+            f64::INFINITY
         };
         for k in from[2]..to[2] {
             *friction.at_mut([i, j, k]) = coefficient;

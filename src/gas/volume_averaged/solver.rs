@@ -173,10 +173,9 @@ impl VolumeAveragedSolver {
             above[axis] += 1;
             0.5 * (velocity[axis].at(cell) + velocity[axis].at(above))
         };
-        // Pressure and voidage of closed cells have no meaning.
-        let if_open = |field: &Field, cell: [isize; 3]| match self.open_fraction(cell) > 0.0 {
-            true => field.at(cell),
-            false => 0.0,
+        // Pressure and voidage of closed cells mean nothing.
+        let if_open = |field: &Field, cell: [isize; 3]| {
+            if self.open_fraction(cell) > 0.0 { field.at(cell) } else { 0.0 }
         };
         let sample = |cell: [isize; 3]| CellSample {
             cell: part.number_of(cell),

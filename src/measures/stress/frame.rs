@@ -73,10 +73,7 @@ impl FrameSettings {
             values.fail("frequency", "needs phases".to_owned());
             return None;
         }
-        let cycle = match has_phases {
-            true => Some(Cycle::from_keys(values)?),
-            false => None,
-        };
+        let cycle = if has_phases { Some(Cycle::from_keys(values)?) } else { None };
         Some(Self { wave, cycle })
     }
 
@@ -136,9 +133,10 @@ impl Wave {
 impl Cycle {
     fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
         let vibration = values.vibration();
-        let frequency = match values.is_given("frequency") {
-            true => values.number("frequency"),
-            false => vibration.map(|vibration| vibration.frequency),
+        let frequency = if values.is_given("frequency") {
+            values.number("frequency")
+        } else {
+            vibration.map(|vibration| vibration.frequency)
         };
         if frequency.is_none() {
             let message = "is needed: no stage has a [vibration]";

@@ -143,9 +143,10 @@ pub(super) fn read_heads(file: &SerialFile) -> MessageResult<Vec<MeasureHead>> {
         let names = file.text(&group, "tables")?;
         let table = |table: &str| {
             let (rows, width) = file.shape(&path_of(name, table))?;
-            match (2..=WIDEST).contains(&width) {
-                true => Ok((table.to_owned(), width, rows)),
-                false => Err(format!("{group}/{table} has rows of {width} words")),
+            if (2..=WIDEST).contains(&width) {
+                Ok((table.to_owned(), width, rows))
+            } else {
+                Err(format!("{group}/{table} has rows of {width} words"))
             }
         };
         let tables = split(&names).map(table).collect::<Result<_, _>>()?;

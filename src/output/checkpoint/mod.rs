@@ -7,7 +7,7 @@
 use crate::analysis::{Digest, Pair, StateRecords};
 use crate::measures::MeasureState;
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
-use crate::particles::OwnFields;
+use crate::particles::CustomFields;
 use crate::state::{Clock, Departed, EnergyLedger, GasReport, SizeRange, StoredEnergy};
 
 mod folder;
@@ -40,7 +40,7 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     /// This rank's particles, in any order; positions wrapped into the box.
     pub particles: P,
     /// Custom fields of these particles, in the same order.
-    pub own: OwnFields,
+    pub custom: CustomFields,
     /// Histories of touching pairs, each on one rank, in any order.
     pub contacts: Vec<ContactRecord>,
     /// Histories of contacts with walls, each on one rank, in any order.
@@ -83,7 +83,7 @@ impl<P: Records<ParticleRecord>> Checkpoint<P> {
     pub fn digest(&self, ranks: &dyn crate::parallel::Communicator) -> Digest {
         let records = StateRecords {
             particles: &self.particles,
-            own: &self.own,
+            custom: &self.custom,
             contacts: &self.contacts,
             wall_contacts: &self.wall_contacts,
             cells: &self.cells,

@@ -14,7 +14,7 @@ use crate::fields::{CounterValue, Field, Kind, Record, Unit};
 use crate::output::hdf5_file::{SerialFile, SharedFile};
 use crate::output::{MessageResult, OutputError, Provenance, agreed, checksum};
 use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
-use crate::particles::OwnFields;
+use crate::particles::CustomFields;
 use crate::state::{Clock, Departed, GasReport, SizeRange, StoredEnergy};
 
 /// Contents of a checkpoint besides its rows.
@@ -67,7 +67,8 @@ pub(super) fn read_whole(
     if let Some(ledger) = checkpoint.energy.as_mut().filter(|_| !ranks.is_root()) {
         ledger.sums.clear();
     }
-    checkpoint.own.numbers = read_own(&file, &checkpoint.own.fields, head.particles.rows, ranks)?;
+    checkpoint.custom.numbers =
+        read_custom(&file, &checkpoint.custom.fields, head.particles.rows, ranks)?;
     checkpoint.particles = read_rows(&file, &head.particles, ranks)?;
     checkpoint.contacts = read_rows(&file, &head.contacts, ranks)?;
     checkpoint.wall_contacts = read_rows(&file, &head.wall_contacts, ranks)?;
@@ -145,7 +146,7 @@ fn read_small(file: &SerialFile, particles: u64) -> MessageResult<Checkpoint> {
         case_text,
         case_folder: file.text("/", "case_folder")?,
         particles: Vec::new(),
-        own: OwnFields { fields: own_fields(file, particles)?, numbers: Vec::new() },
+        custom: CustomFields { fields: custom_fields(file, particles)?, numbers: Vec::new() },
         contacts: Vec::new(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
@@ -172,7 +173,7 @@ fn read_counters(file: &SerialFile) -> Departed {
 
 /// Custom fields in a file, as far as the file describes them; their travel is known only to the run that has
 /// registered them.
-fn own_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
+fn custom_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
     let field = |name: String| {
         let path = path_of::<ParticleRecord>(&name);
         let kind = match file.shape(&path)? {
@@ -279,7 +280,7 @@ fn read_rows<R: Record>(
 }
 
 /// This rank's even share of the rows of custom fields.
-fn read_own(
+fn read_custom(
     file: &SharedFile<'_>,
     fields: &[Field],
     rows: u64,

@@ -5,7 +5,7 @@ use crate::fields::{Field, Id, Record, groups};
 use crate::output::MessageResult;
 use crate::output::hdf5_file::SerialFile;
 use crate::parallel::{Communicator, ParticleRecord, Records};
-use crate::particles::OwnFields;
+use crate::particles::CustomFields;
 
 /// Value of the root's attribute `format`.
 pub(super) const FORMAT: &str = "talcum checkpoint";
@@ -80,10 +80,11 @@ pub(super) fn fields_in_use<R: Record>(
     (0..places.len()).filter(|&field| is_in_use(field)).map(|field| places[field]).collect()
 }
 
-/// Custom fields with a value that is not zero on some rank. Collective.
-pub(super) fn own_fields_in_use(own: &OwnFields, ranks: &dyn Communicator) -> Vec<usize> {
-    let is_used = |field| own.column(field).iter().any(|number| number.to_bits() != 0);
-    let mut used: Vec<i64> = (0..own.fields.len()).map(|field| i64::from(is_used(field))).collect();
+/// Custom fields of which one number is not zero on some rank. Collective.
+pub(super) fn custom_fields_in_use(custom: &CustomFields, ranks: &dyn Communicator) -> Vec<usize> {
+    let is_used = |field| custom.column(field).iter().any(|number| number.to_bits() != 0);
+    let mut used: Vec<i64> =
+        (0..custom.fields.len()).map(|field| i64::from(is_used(field))).collect();
     ranks.sum_integers(&mut used);
     (0..used.len()).filter(|&field| used[field] != 0).collect()
 }

@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use super::schema::{
-    FORMAT, FieldsInFile, LEDGER, VERSION, fields_in_use, has, own_fields_in_use, path_of,
+    FORMAT, FieldsInFile, LEDGER, VERSION, custom_fields_in_use, fields_in_use, has, path_of,
 };
 use super::{Checkpoint, measures};
 use crate::analysis::{Digest, Pair};
@@ -49,7 +49,7 @@ pub fn write(
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
     let kept = measures::row_counts(&checkpoint.measures, ranks);
     let of_particles = fields_in_use(particles, ranks);
-    let own_in_use = own_fields_in_use(&checkpoint.own, ranks);
+    let custom_in_use = custom_fields_in_use(&checkpoint.custom, ranks);
     let of_contacts = fields_in_use(contacts, ranks);
     let of_wall_contacts = fields_in_use(wall_contacts, ranks);
     let of_cells = fields_in_use(cells, ranks);
@@ -61,8 +61,8 @@ pub fn write(
         write_ledger(&file, checkpoint.energy.as_ref().map(|ledger| &ledger.start), sums)?;
         let units = ColumnUnits::of_system(&provenance.units);
         make_datasets::<ParticleRecord>(&file, rows[0], &units, &of_particles)?;
-        for &field in &own_in_use {
-            let field = &checkpoint.own.fields[field];
+        for &field in &custom_in_use {
+            let field = &checkpoint.custom.fields[field];
             make_dataset::<ParticleRecord>(&file, rows[0], &units, field)?;
         }
         make_datasets::<ContactRecord>(&file, rows[1], &units, &of_contacts)?;
@@ -78,7 +78,7 @@ pub fn write(
     let file = SharedFile::open_to_write(&partial, ranks)?;
     let (written, synced) = while_syncing(&partial, || {
         write_table(&file, particles, &of_particles, ranks)?;
-        write_own_fields(&file, checkpoint, &own_in_use, ranks)?;
+        write_custom_fields(&file, checkpoint, &custom_in_use, ranks)?;
         write_table(&file, contacts, &of_contacts, ranks)?;
         write_table(&file, wall_contacts, &of_wall_contacts, ranks)?;
         write_table(&file, cells, &of_cells, ranks)?;
@@ -263,18 +263,18 @@ fn numbers_of<R: Record, const WIDTH: usize>(place: usize, records: &[R]) -> Vec
 }
 
 /// Writes custom fields, in the order of the particles' records.
-fn write_own_fields(
+fn write_custom_fields(
     file: &SharedFile<'_>,
     checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
     in_use: &[usize],
     ranks: &dyn Communicator,
 ) -> Result<(), OutputError> {
-    let Checkpoint { particles, own, .. } = checkpoint;
+    let Checkpoint { particles, custom, .. } = checkpoint;
     for &number in in_use {
-        let field = &own.fields[number];
+        let field = &custom.fields[number];
         let ids = (0..particles.count()).map(|index| particles.at(index).id);
         let SortedRows { rows, offset, .. } =
-            sort_numbers_by_id(ids, &own.column(number), field.width(), ranks);
+            sort_numbers_by_id(ids, &custom.column(number), field.width(), ranks);
         let path = path_of::<ParticleRecord>(field.name);
         let written = file.dataset(&path)?.write_rows(offset, &rows);
         file.agreed(written)?;

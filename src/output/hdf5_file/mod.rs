@@ -452,9 +452,10 @@ impl<'r> SharedFile<'r> {
 /// The way in which ranks share a file. MPI-IO interprets the part of a path before its first colon as a kind of file
 /// system, and removes it: such a file is left to rank 0.
 fn access_to(path: &Path, ranks: &dyn Communicator) -> FileAccess {
-    match path.as_os_str().as_encoded_bytes().contains(&b':') {
-        true => FileAccess::Root,
-        false => ranks.file_access(path),
+    if path.as_os_str().as_encoded_bytes().contains(&b':') {
+        FileAccess::Root
+    } else {
+        ranks.file_access(path)
     }
 }
 

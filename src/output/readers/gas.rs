@@ -2,6 +2,7 @@
 
 use super::{reading, rising};
 use crate::output::OutputError;
+use crate::output::vtkhdf::listed_times;
 use std::path::{Path, PathBuf};
 
 /// The snapshots of a file: their times, and the cells.
@@ -24,9 +25,7 @@ impl GasSnapshotReader {
     /// If the file cannot be read, or is not such a file.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         reading(path, |file| {
-            let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
-            let mut times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
-            times.truncate(listed.max(0) as usize);
+            let mut times = listed_times(file)?;
             times.truncate(rising(&times));
             let extent: [i64; 6] = file.numbers("/VTKHDF", "WholeExtent")?;
             let cells = [1, 3, 5].map(|end| usize::try_from(extent[end]).unwrap_or(0));

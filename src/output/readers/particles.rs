@@ -2,7 +2,7 @@
 
 use super::{reading, rising};
 use crate::output::OutputError;
-use crate::output::particle_snapshots::snapshot_rows;
+use crate::output::vtkhdf::{listed_times, whole_numbers};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -37,11 +37,10 @@ impl ParticleSnapshotReader {
     /// If the file cannot be read, or is not such a file.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         let (times, rows) = reading(path, |file| {
-            let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
-            let mut times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
-            let (firsts, counts) = snapshot_rows(file)?;
-            let whole = firsts.len().min(counts.len()).min(listed.max(0) as usize);
-            times.truncate(whole);
+            let mut times = listed_times(file)?;
+            let firsts = whole_numbers(file, "Steps/PointOffsets")?;
+            let counts = whole_numbers(file, "NumberOfPoints")?;
+            times.truncate(firsts.len().min(counts.len()));
             times.truncate(rising(&times));
             let rows = firsts.iter().zip(&counts).map(|(first, count)| *first..first + count);
             let rows: Vec<Range<u64>> = rows.take(times.len()).collect();
@@ -80,15 +79,13 @@ impl ParticleSnapshotReader {
                 let time = self.times[number];
                 return Err(format!("the ids at time {time} do not ascend: the file is damaged"));
             }
+            let shown = file.names("/VTKHDF/PointData")?.iter().any(|name| name == "mass");
             Ok(ParticleSnapshot {
                 ids: ids.into_iter().map(|id| id as u64).collect(),
                 positions: vectors("/VTKHDF/Points")?,
                 velocities: vectors("/VTKHDF/PointData/velocity")?,
                 radii: numbers("/VTKHDF/PointData/radius")?,
-                masses: match file.names("/VTKHDF/PointData")?.iter().any(|name| name == "mass") {
-                    true => Some(numbers("/VTKHDF/PointData/mass")?),
-                    false => None,
-                },
+                masses: shown.then(|| numbers("/VTKHDF/PointData/mass")).transpose()?,
             })
         })
     }

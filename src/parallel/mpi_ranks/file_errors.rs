@@ -116,9 +116,10 @@ fn free_space(path: &Path) -> String {
         return String::new();
     };
     let free = found.f_bavail.saturating_mul(found.f_frsize);
-    match free < LITTLE {
-        true => format!("; {:.1} MB are free on its file system", 1.0e-6 * free as f64),
-        false => String::new(),
+    if free < LITTLE {
+        format!("; {:.1} MB are free on its file system", 1.0e-6 * free as f64)
+    } else {
+        String::new()
     }
 }
 

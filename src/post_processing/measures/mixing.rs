@@ -211,9 +211,10 @@ impl MixingCells {
         let counts = [0, 1, 2].map(|axis| libm::round(lengths[axis] / edge).max(1.0) as usize);
         let sizes = [0, 1, 2].map(|axis| lengths[axis] / counts[axis] as f64);
         let below = first.radii.iter().copied().filter(|&radius| radius < median_radius);
-        let small_radius = match first.radii.iter().any(|&radius| radius > median_radius) {
-            true => median_radius,
-            false => below.fold(f64::NEG_INFINITY, f64::max),
+        let small_radius = if first.radii.iter().any(|&radius| radius > median_radius) {
+            median_radius
+        } else {
+            below.fold(f64::NEG_INFINITY, f64::max)
         };
         Ok(Self { edge, counts, sizes, middle, small_radius })
     }

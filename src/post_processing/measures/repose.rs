@@ -32,9 +32,10 @@ const SIDE: f64 = 2.0;
 
 /// A heap has ends: the box must not be periodic along x.
 fn require_ends(case: &Case) -> Result<(), NoValue> {
-    match case.domain.bounds.is_periodic(0) {
-        true => Err(NoValue::because("the box repeats along x: a heap there has no ends")),
-        false => Ok(()),
+    if case.domain.bounds.is_periodic(0) {
+        Err(NoValue::because("the box repeats along x: a heap there has no ends"))
+    } else {
+        Ok(())
     }
 }
 
@@ -73,8 +74,5 @@ fn grains(snapshot: &ParticleSnapshot) -> Vec<Grain> {
 
 fn largest_diameter(snapshot: &ParticleSnapshot) -> Result<f64, NoValue> {
     let largest = snapshot.radii.iter().copied().fold(0.0, f64::max);
-    match largest > 0.0 {
-        true => Ok(2.0 * largest),
-        false => Err(NoValue::because("no particles are left")),
-    }
+    if largest > 0.0 { Ok(2.0 * largest) } else { Err(NoValue::because("no particles are left")) }
 }

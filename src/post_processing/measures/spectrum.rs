@@ -69,9 +69,10 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
 
 fn check_varies(values: &[f64]) -> Result<(), NoValue> {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    match moments(values)?.deviation <= CONSTANT * largest {
-        true => Err(NoValue::because("the column is constant")),
-        false => Ok(()),
+    if moments(values)?.deviation <= CONSTANT * largest {
+        Err(NoValue::because("the column is constant"))
+    } else {
+        Ok(())
     }
 }
 

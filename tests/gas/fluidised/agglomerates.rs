@@ -3,11 +3,11 @@
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, Snapshot, attraction, law};
+use talcum::balance::Balance;
 use talcum::domain::{Face, RankGrid};
 use talcum::gas::{AgglomerateDrag, DragLaw};
 use talcum::numbers::{random_of, uniform};
 use talcum::parallel::run_on_threads;
-use talcum::state::Balance;
 
 const DIAMETER: f64 = 4.0e-5;
 const DENSITY: f64 = 250.0;

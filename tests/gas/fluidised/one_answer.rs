@@ -2,10 +2,10 @@
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PLATE};
+use talcum::balance::Balance;
 use talcum::domain::{Face, RankGrid};
 use talcum::gas::{DragLaw, DragShare};
 use talcum::parallel::run_on_threads;
-use talcum::state::Balance;
 
 /// A dense bed between walls that a gas with inertia lifts.
 fn bed(filter_width: f64, particles: u64) -> Bench {

@@ -53,9 +53,10 @@ fn restitution_squared(speed: f64, adhesion: f64) -> f64 {
 fn restitution_squared_of(energy: f64, adhesion: f64) -> f64 {
     let (f0, psi) = (attraction(), 1.0 - LOADING / UNLOADING);
     let largest = (f0 + (f0 * f0 + 2.0 * LOADING * energy).sqrt()) / LOADING;
-    let in_series = match adhesion.is_finite() {
-        true => UNLOADING * adhesion / (UNLOADING + adhesion),
-        false => UNLOADING,
+    let in_series = if adhesion.is_finite() {
+        UNLOADING * adhesion / (UNLOADING + adhesion)
+    } else {
+        UNLOADING
     };
     let loaded = 0.5 * UNLOADING * (1.0 - psi).powi(2) * largest * largest;
     let pulled = 0.5 * in_series * psi * psi * largest * largest;

@@ -80,12 +80,11 @@ impl<'a> Hand<'a> {
         let separation = self.overlap - overlap;
         let displacement = Vector3::new(slip[0], slip[1], separation);
         let contact = contact(overlap, displacement);
-        let force = match self.law.touches(&contact, &self.history) {
-            true => self.law.force(&contact, &mut self.history, 1.0),
-            false => {
-                self.history = ContactHistory::default();
-                ContactForce::zero()
-            }
+        let force = if self.law.touches(&contact, &self.history) {
+            self.law.force(&contact, &mut self.history, 1.0)
+        } else {
+            self.history = ContactHistory::default();
+            ContactForce::zero()
         };
         let total = |force: &ContactForce| Vector3::z() * force.normal + force.tangential;
         // Trapezoid; where a contact begins or ends, the force of the contact counts.

@@ -56,15 +56,15 @@ impl Pair {
             let (lower, upper) = (run.particle(0), run.particle(1));
             let velocity = upper.velocity[2] - lower.velocity[2];
             let separation = upper.position[2] - lower.position[2] - 1.0;
-            match approaches {
-                true => approaches = velocity < 0.0,
-                // Turned back: caught. Past the start with a speed that the rest of the tail cannot take.
-                false if velocity <= 0.0 => return true,
-                false if separation > start => {
-                    let energy = 0.5 * Self::REDUCED_MASS * velocity * velocity;
-                    return energy < self.outer_work(start);
-                }
-                false => {}
+            if approaches {
+                approaches = velocity < 0.0;
+            } else if velocity <= 0.0 {
+                // Turned back: caught.
+                return true;
+            } else if separation > start {
+                // Past the start with a speed that the rest of the tail cannot take, or can.
+                let energy = 0.5 * Self::REDUCED_MASS * velocity * velocity;
+                return energy < self.outer_work(start);
             }
         }
     }

@@ -101,9 +101,9 @@ impl Made {
     /// Snapshots of particles.
     pub(crate) fn snapshots(&self, snapshots: &[(f64, Vec<ParticleRecord>)]) {
         let path = self.path().join("particles.vtkhdf");
+        let format = SnapshotFormat::default();
         let mut file =
-            ParticleSnapshots::create(&path, self.head(), &SnapshotFormat::default(), &OneRank)
-                .unwrap();
+            ParticleSnapshots::open(&path, &format, self.head(), None, &OneRank).unwrap();
         for (time, particles) in snapshots {
             file.append(*time, particles, &[], &OneRank).unwrap();
         }

@@ -8,7 +8,7 @@ use talcum::grid::BoxGrid;
 use talcum::output::checkpoint::{Checkpoint, file_name, write};
 use talcum::output::{GasSnapshots, Head, Provenance, SnapshotStorage};
 use talcum::parallel::{CellSample, ContactRecord, OneRank, ParticleRecord};
-use talcum::particles::OwnFields;
+use talcum::particles::CustomFields;
 use talcum::post_processing::TimeWindow;
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
 
@@ -120,7 +120,7 @@ fn checkpoint(step: u64, pairs: &[[u64; 2]]) -> Checkpoint {
         case_text: CASE.to_owned(),
         case_folder: String::new(),
         particles: (0_u32..60).map(|k| particle(u64::from(k), [2.5, 2.5, f64::from(k)])).collect(),
-        own: OwnFields::default(),
+        custom: CustomFields::default(),
         contacts: pairs.iter().map(contact).collect(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
@@ -175,8 +175,8 @@ fn bubbles_rise_as_they_were_drawn() {
     let grid = BoxGrid::new(&Bounds::new(Vector3::new(5.0, 5.0, 60.0), faces), [10, 10, 120]);
     let head = Head { case_text: &case, provenance: &provenance };
     let path = made.path().join("gas.vtkhdf");
-    let file =
-        GasSnapshots::create(&path, (&grid, SnapshotStorage::default()), head, &OneRank).unwrap();
+    let fields = (&grid, SnapshotStorage::default());
+    let mut file = GasSnapshots::open(&path, fields, head, None, &OneRank).unwrap();
     let (radius, speed) = (1.7, 0.8);
     for number in 0..30_u32 {
         let time = 0.5 * f64::from(number);

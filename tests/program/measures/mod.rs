@@ -75,9 +75,10 @@ fn add_group(group: &hdf5::Group, name: &str, found: &mut BTreeMap<String, Vec<u
     }
     for dataset in group.datasets().unwrap() {
         let is_number = dataset.dtype().unwrap().is::<f64>();
-        let bits: Vec<u64> = match is_number {
-            true => dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect(),
-            false => dataset.read_raw::<i64>().unwrap().into_iter().map(|x| x as u64).collect(),
+        let bits: Vec<u64> = if is_number {
+            dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+        } else {
+            dataset.read_raw::<i64>().unwrap().into_iter().map(|x| x as u64).collect()
         };
         found.insert(format!("{name}{}", dataset.name()), bits);
     }

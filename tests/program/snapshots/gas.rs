@@ -33,7 +33,7 @@ fn provenance(ranks: &dyn Communicator) -> Provenance {
     Provenance::here_and_now("A gas", "dimensionless", ranks)
 }
 
-fn append(snapshots: &GasSnapshots, step: usize, ranks: &dyn Communicator) {
+fn append(snapshots: &mut GasSnapshots, step: usize, ranks: &dyn Communicator) {
     let mine = cells(step).into_iter().rev().skip(ranks.rank()).step_by(ranks.size());
     snapshots.append(time(step), &mine.collect::<Vec<_>>(), ranks).unwrap();
 }
@@ -41,10 +41,10 @@ fn append(snapshots: &GasSnapshots, step: usize, ranks: &dyn Communicator) {
 fn write_all(path: &Path, storage: SnapshotStorage, ranks: usize) {
     run_on_threads(ranks, |ranks| {
         let provenance = provenance(ranks);
-        let snapshots =
-            GasSnapshots::create(path, (&grid(), storage), head(&provenance), ranks).unwrap();
+        let (fields, head) = ((&grid(), storage), head(&provenance));
+        let mut snapshots = GasSnapshots::open(path, fields, head, None, ranks).unwrap();
         for step in 0..STEPS {
-            append(&snapshots, step, ranks);
+            append(&mut snapshots, step, ranks);
             if step == 2 {
                 snapshots.commit(ranks).unwrap();
             }
@@ -85,10 +85,10 @@ fn a_resumed_gas_file_is_that_of_an_uninterrupted_run() {
         for (committed, ranks) in [(1, 3), (0, 1)] {
             run_on_threads(ranks, |ranks| {
                 let (grid, provenance) = (grid(), provenance(ranks));
-                let (time, head) = (time(committed), head(&provenance));
-                let snapshots =
-                    GasSnapshots::resume(&path, time, (&grid, storage), head, ranks).unwrap();
-                (committed + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
+                let (time, head) = (Some(time(committed)), head(&provenance));
+                let mut snapshots =
+                    GasSnapshots::open(&path, (&grid, storage), head, time, ranks).unwrap();
+                (committed + 1..STEPS).for_each(|step| append(&mut snapshots, step, ranks));
                 snapshots.commit(ranks).unwrap();
             });
             check(&path);

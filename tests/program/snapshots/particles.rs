@@ -68,7 +68,7 @@ fn write_all(path: &Path, format: &SnapshotFormat, ranks: usize) {
     run_on_threads(ranks, |ranks| {
         let provenance = provenance(ranks);
         let mut snapshots =
-            ParticleSnapshots::create(path, head(&provenance), format, ranks).unwrap();
+            ParticleSnapshots::open(path, format, head(&provenance), None, ranks).unwrap();
         (0..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
         snapshots.commit(ranks).unwrap();
     });
@@ -136,7 +136,7 @@ fn a_resumed_particle_file_is_that_of_an_uninterrupted_run() {
                 let provenance = provenance(ranks);
                 let (time, head) = (time(committed), head(&provenance));
                 let mut snapshots =
-                    ParticleSnapshots::resume(&path, time, head, format, ranks).unwrap();
+                    ParticleSnapshots::open(&path, format, head, Some(time), ranks).unwrap();
                 (committed + 1..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
                 snapshots.commit(ranks).unwrap();
             });
@@ -154,7 +154,7 @@ fn a_file_damaged_by_a_kill_is_continued_from_its_last_commit() {
         run_on_threads(ranks, |ranks| {
             let provenance = provenance(ranks);
             let mut snapshots =
-                ParticleSnapshots::create(&path, head(&provenance), format, ranks).unwrap();
+                ParticleSnapshots::open(&path, format, head(&provenance), None, ranks).unwrap();
             (0..4).for_each(|step| append(&mut snapshots, step, ranks));
             snapshots.commit(ranks).unwrap();
             (4..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
@@ -167,7 +167,7 @@ fn a_file_damaged_by_a_kill_is_continued_from_its_last_commit() {
             let provenance = provenance(ranks);
             let (time, head) = (time(3), head(&provenance));
             let mut snapshots =
-                ParticleSnapshots::resume(&path, time, head, format, ranks).unwrap();
+                ParticleSnapshots::open(&path, format, head, Some(time), ranks).unwrap();
             (4..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
         });
         check(&path);
@@ -185,7 +185,7 @@ fn a_file_continues_as_it_was_begun_and_one_that_shows_more_is_set_aside() {
             let provenance = provenance(ranks);
             let (time, head) = (time(4), head(&provenance));
             let mut snapshots =
-                ParticleSnapshots::resume(&path, time, head, format, ranks).unwrap();
+                ParticleSnapshots::open(&path, format, head, Some(time), ranks).unwrap();
             (5..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
         });
     };
@@ -253,14 +253,9 @@ fn an_unreadable_particle_file_is_set_aside() {
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     run_on_threads(2, |ranks| {
         let provenance = provenance(ranks);
-        let mut snapshots = ParticleSnapshots::resume(
-            &path,
-            0.0,
-            head(&provenance),
-            &SnapshotFormat::default(),
-            ranks,
-        )
-        .unwrap();
+        let (format, head) = (SnapshotFormat::default(), head(&provenance));
+        let mut snapshots =
+            ParticleSnapshots::open(&path, &format, head, Some(0.0), ranks).unwrap();
         (0..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
     });
     check(&path);

@@ -10,12 +10,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// Single items that cross the table, each with its reason.
-const EXCEPTIONS: [(&str, &str, &str); 1] = [
-    // An initial bed is made of the plain records that travel between ranks and stand in checkpoints.
-    ("case/bed/mod.rs", "parallel", "ParticleRecord"),
-];
-
 /// Crates that only one file, or those of one folder and the file of its name, may name.
 const ONE_PLACE: [(&str, &str); 2] =
     [("mpi", "parallel/mpi_ranks"), ("hdf5_sys", "output/hdf5_file")];
@@ -75,8 +69,7 @@ fn violations(file: &str, text: &str, table: &Table) -> Vec<String> {
         return found;
     };
     for (module, item) in modules_and_items(file, &tokens) {
-        let excepted = EXCEPTIONS.contains(&(file, &module, &item));
-        if module != own && !allowed.contains(&module) && !excepted {
+        if module != own && !allowed.contains(&module) {
             found.push(format!("{file} names {module}::{item}, which {own} must not know"));
         }
     }
@@ -106,10 +99,7 @@ fn the_table_allows_no_more_than_is_used() {
         let own = module_of(&file).first().map(|name| (*name).to_owned());
         let Some(own) = own.filter(|_| !FREE.contains(&file.as_str())) else { continue };
         let named = modules_and_items(&file, &tokens(&code)).into_iter();
-        let counted = named
-            .filter(|(module, item)| !EXCEPTIONS.contains(&(&file, module, item)))
-            .map(|(module, _)| module)
-            .filter(|module| *module != own);
+        let counted = named.map(|(module, _)| module).filter(|module| *module != own);
         used.entry(own.clone()).or_default().extend(counted);
     }
     for (module, allowed) in table() {
@@ -117,16 +107,6 @@ fn the_table_allows_no_more_than_is_used() {
         found.extend(allowed.difference(&used).map(|idle| format!("{module} does not use {idle}")));
     }
     assert!(found.is_empty(), "shorten the rows of the table:\n{}", found.join("\n"));
-}
-
-#[test]
-fn exceptions_are_still_needed() {
-    for (file, module, item) in EXCEPTIONS {
-        let code = code_of(&fs::read_to_string(source::source().join(file)).unwrap());
-        let named = modules_and_items(file, &tokens(&code));
-        let wanted = (module.to_owned(), item.to_owned());
-        assert!(named.contains(&wanted), "{file} no longer names {module}::{item}");
-    }
 }
 
 #[test]
@@ -164,9 +144,7 @@ fn planted_violations_are_caught() {
         ),
         ("timers.rs", "use super::state;"),
         ("gas/column.rs", "/* a note */ use crate::contact::*; // why"),
-        ("case/bed/mod.rs", "use crate::parallel::{ParticleRecord, Communicator};"),
-        ("case/bed/mod.rs", "use crate::parallel::ContactRecord;"),
-        ("case/units.rs", "use crate::parallel::ParticleRecord;"),
+        ("case/reference/mod.rs", "use crate::parallel::{ParticleRecord, Communicator};"),
         ("analysis/digest.rs", "#[cfg(test)]\nmod tests { fn f() {} }\nuse crate::output::Series;"),
         ("command_line/run.rs", "use mpi::topology::Communicator;"),
         ("parallel/migrate.rs", "fn f() { ::mpi::initialize(); mpi::initialize(); }"),
@@ -184,7 +162,6 @@ fn what_is_allowed_is_not_caught() {
     for (file, text) in [
         ("contact/forces.rs", "use crate::{domain::Wall, numbers::{Quantum, vectorised}};"),
         ("contact/forces.rs", "use super::lanes::evaluate; use crate::contact::Contact;"),
-        ("case/bed/mod.rs", "use crate::parallel::ParticleRecord;"),
         (
             "gas/column.rs",
             "// use crate::particles::Particles;\nconst S: &str = \"crate::case::Case\";",

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of the sources.
-pub(crate) fn source() -> PathBuf {
+fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
@@ -110,7 +110,7 @@ pub(crate) fn tokens(code: &str) -> Vec<&str> {
     tokens
 }
 
-/// The modules along the path of a file: `case/bed/mod.rs` is `[case, bed]`.
+/// The modules along the path of a file: `beds/file/mod.rs` is `[beds, file]`.
 pub(crate) fn module_of(file: &str) -> Vec<&str> {
     let path = file.trim_end_matches(".rs");
     path.trim_end_matches("/mod").split('/').filter(|name| *name != "lib").collect()

@@ -70,9 +70,10 @@ impl HystereticParameters {
             values.fail(LOADING_STIFFNESS.name, message);
             return None;
         }
-        let tangential = match values.is_given("tangential_stiffness") {
-            true => values.number("tangential_stiffness")?,
-            false => 2.0 / 7.0 * loading,
+        let tangential = if values.is_given("tangential_stiffness") {
+            values.number("tangential_stiffness")?
+        } else {
+            2.0 / 7.0 * loading
         };
         Some(Self {
             loading_stiffness: loading,

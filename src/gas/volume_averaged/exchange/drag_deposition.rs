@@ -69,12 +69,11 @@ fn in_agglomerate(
     solids_fraction: f64,
     slip: f64,
 ) -> f64 {
-    of.drag_factor = match of.diameter > 0.0 {
-        true => {
-            let ball = AgglomerateBall { diameter: of.diameter, packing: of.packing };
-            law.factor_in_agglomerate(diameter, &ball, solids_fraction, slip)
-        }
-        false => 1.0,
+    of.drag_factor = if of.diameter > 0.0 {
+        let ball = AgglomerateBall { diameter: of.diameter, packing: of.packing };
+        law.factor_in_agglomerate(diameter, &ball, solids_fraction, slip)
+    } else {
+        1.0
     };
     of.drag_factor
 }

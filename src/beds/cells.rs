@@ -28,8 +28,8 @@ impl<'a> Cells<'a> {
         Self { bounds, counts, first: vec![NONE; counts.iter().product()], next: Vec::new() }
     }
 
-    /// Adds the sphere with the next number, from 0.
-    pub(super) fn push(&mut self, position: &Vector3<f64>) {
+    /// Adds the sphere of the next number, from 0.
+    pub(super) fn push(&mut self, position: [f64; 3]) {
         let cell = self.number_of(self.cell_of(position));
         self.next.push(self.first[cell]);
         self.first[cell] = (self.next.len() - 1) as u32;
@@ -43,7 +43,7 @@ impl<'a> Cells<'a> {
         sphere: &Sphere,
         allowed: f64,
     ) -> Option<(usize, f64)> {
-        let centre = self.cell_of(&sphere.position);
+        let centre = self.cell_of(sphere.position);
         let [xs, ys, zs] = [0, 1, 2].map(|axis| self.neighbours(axis, centre[axis]));
         for z in zs.into_iter().flatten() {
             for y in ys.into_iter().flatten() {
@@ -64,19 +64,19 @@ impl<'a> Cells<'a> {
 
     /// Overlap of two spheres, also through periodic faces, over the smaller diameter.
     fn relative_overlap(&self, first: &Sphere, second: &Sphere) -> f64 {
-        let mut distance = first.position - second.position;
+        let mut distance = Vector3::from(first.position) - Vector3::from(second.position);
         for axis in 0..3 {
             if self.bounds.is_periodic(axis) {
                 let length = self.bounds.lengths()[axis];
                 distance[axis] -= length * (distance[axis] / length).round();
             }
         }
-        let contact = 0.5 * (first.diameter + second.diameter);
-        (contact - distance.norm()) / first.diameter.min(second.diameter)
+        let contact = first.radius + second.radius;
+        (contact - distance.norm()) / first.diameter().min(second.diameter())
     }
 
-    fn cell_of(&self, position: &Vector3<f64>) -> [usize; 3] {
-        let inside = self.bounds.wrap(*position);
+    fn cell_of(&self, position: [f64; 3]) -> [usize; 3] {
+        let inside = self.bounds.wrap(position.into());
         [0, 1, 2].map(|axis| {
             let part = inside[axis] / self.bounds.lengths()[axis];
             ((part * self.counts[axis] as f64).max(0.0) as usize).min(self.counts[axis] - 1)
@@ -121,15 +121,17 @@ mod tests {
             let faces = periodic.map(|is| [if is { Face::Periodic } else { Face::Wall }; 2]);
             let bounds = Bounds::new(Vector3::from(lengths), faces);
             let spheres: Vec<Sphere> = centres.iter().enumerate().map(|(id, centre)| Sphere {
-                position: Vector3::from(*centre).component_mul(&bounds.lengths()),
-                diameter: if id % 2 == 0 { 1.0 } else { 0.6 },
+                position: Vector3::from(*centre).component_mul(&bounds.lengths()).into(),
+                velocity: [0.0; 3],
+                radius: if id % 2 == 0 { 0.5 } else { 0.3 },
+                density: 1.0,
             }).collect();
             let mut cells = Cells::new(&bounds, 1.0, spheres.len());
             for (number, sphere) in spheres.iter().enumerate() {
                 let all = spheres[..number].iter()
                     .any(|other| cells.relative_overlap(sphere, other) > 0.1);
                 prop_assert_eq!(cells.overlap(&spheres, sphere, 0.1).is_some(), all);
-                cells.push(&sphere.position);
+                cells.push(sphere.position);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Laws from outside the crate in a case that was read from a file.
+//! Custom laws, from outside the crate, in a case that was read from a file.
 
 use super::Case;
 use crate::contact::{ContactLaw, ContactModel};
@@ -24,9 +24,8 @@ impl Case {
             let replaced: Vec<ContactLaw> =
                 physics.contact.values().iter().map(|model| model.law.clone()).collect();
             physics.contact = physics.contact.map(|model| model.with_law(law));
-            let at_wall = |model: &ContactModel| match replaced.contains(&model.law) {
-                true => model.with_law(law),
-                false => model.clone(),
+            let at_wall = |model: &ContactModel| {
+                if replaced.contains(&model.law) { model.with_law(law) } else { model.clone() }
             };
             for models in &mut physics.at_walls {
                 *models = models.map(at_wall);

@@ -1,4 +1,4 @@
-//! A custom contact law, outside the crate: `cargo run --release --example own_contact_law`.
+//! A custom contact law, outside of the crate: `cargo run --release --example custom_contact_law`.
 //!
 //! The law is a linear spring without dashpot and friction. Two particles meet head on; without a dashpot they must
 //! separate with the speed at which they met.

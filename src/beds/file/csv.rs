@@ -1,9 +1,8 @@
 //! Tables with a header: `id,x,y,z` and optionally `vx,vy,vz`, `wx,wy,wz`, `d`, `species`, in any order. Lines that
 //! begin with `#` are comments.
 
-use super::BedError;
 use super::columns::{At, Column, Header, Rows};
-use crate::case::Species;
+use crate::beds::{BedProblem, Species};
 use std::path::Path;
 
 const KNOWN: [(&str, Column); 12] = [
@@ -22,7 +21,7 @@ const KNOWN: [(&str, Column); 12] = [
 ];
 
 /// The rows of a text, in a bed of these species.
-pub(super) fn parse(text: &str, file: &Path, species: &[Species]) -> Result<Rows, BedError> {
+pub(super) fn parse(text: &str, file: &Path, species: &[Species]) -> Result<Rows, BedProblem> {
     let lines = text.lines().enumerate();
     let mut lines = lines
         .map(|(index, line)| (At { file, line: index + 1 }, line.trim()))

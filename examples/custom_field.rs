@@ -1,7 +1,7 @@
-//! A custom quantity, outside the crate: heat is conducted between touching spheres.
+//! A custom field, a quantity outside of the crate: heat is conducted between touching spheres.
 //!
-//! Run it with `cargo build --release --example own_field` and then
-//! `mpirun -n 2 target/release/examples/own_field results/heat`. It prints the same digest on any number of ranks, and
+//! Run it with `cargo build --release --example custom_field` and then
+//! `mpirun -n 2 target/release/examples/custom_field results/heat`. It prints the same digest on any number of ranks, and
 //! after a restart.
 //!
 //! The temperature of a particle moves with it from rank to rank, is known to ghosts at each step, and is part of
@@ -54,10 +54,8 @@ fn setup() -> Result<Setup, Box<dyn std::error::Error>> {
     let law = LinearSpringDashpot::new(1.0e4, 8.2e3, 0.7, 0.3, FrictionCap::Contact)?;
     let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall, Face::Open]];
     let layers = Layers { count: 300, spacing: 1.1, jitter: 0.04, seed: 1, ..Layers::default() };
-    let temperature = |particle: &ParticleRecord| match particle.position[2] < 4.0 {
-        true => 400.0,
-        false => 300.0,
-    };
+    let temperature =
+        |particle: &ParticleRecord| if particle.position[2] < 4.0 { 400.0 } else { 300.0 };
     Ok(Setup::new([6.0, 6.0, 30.0], faces, Physics::new(law, 4.0e-4))?
         .gravity(1.0)
         .layers(&layers)
@@ -70,7 +68,7 @@ fn write_snapshot(
     run: &Run,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let particles: Vec<ParticleRecord> = run.particles().collect();
-    let temperatures = run.state.particles.own_fields().column(0);
+    let temperatures = run.state.particles.custom_fields().column(0);
     Ok(file.append(run.time(), &particles, &[temperatures], run.ranks)?)
 }
 
@@ -83,7 +81,7 @@ fn checkpoint_of(part: Snapshot) -> Checkpoint {
         case_text: String::new(),
         case_folder: String::new(),
         particles: part.particles,
-        own: part.own,
+        custom: part.custom,
         contacts: part.pairs,
         wall_contacts: part.walls,
         cells: part.cells,
@@ -101,7 +99,7 @@ fn snapshot_of(part: Checkpoint) -> Snapshot {
         departed: part.departed,
         sizes: part.sizes,
         particles: part.particles,
-        own: part.own,
+        custom: part.custom,
         pairs: part.contacts,
         walls: part.wall_contacts,
         cells: part.cells,
@@ -124,7 +122,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..SnapshotFormat::default()
     };
     let path = Path::new(&folder).join("particles.vtkhdf");
-    let mut snapshots = ParticleSnapshots::create(&path, head, &format, &ranks)?;
+    let mut snapshots = ParticleSnapshots::open(&path, &format, head, None, &ranks)?;
 
     let mut run = setup.start(grid, &ranks)?;
     run.steps(10_000)?;
@@ -145,7 +143,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     write_snapshot(&mut snapshots, &run)?;
 
     // Each particle has the same heat capacity: the sum of temperatures is the heat of the bed.
-    let mut heat = [run.state.particles.own_fields().column(0).iter().sum::<f64>() as i64];
+    let mut heat = [run.state.particles.custom_fields().column(0).iter().sum::<f64>() as i64];
     ranks.sum_integers(&mut heat);
     let digest = run.digest()?;
     if ranks.is_root() {

@@ -1,7 +1,7 @@
-//! Load balancing: cut planes that give every rank about the same work.
+//! Cut planes that give every rank about the same work.
 
-use super::Communicator;
 use crate::domain::{Bounds, Decomposition};
+use crate::parallel::Communicator;
 use nalgebra::Vector3;
 use std::time::Duration;
 
@@ -14,6 +14,17 @@ const MEAN_WEIGHT: f64 = 1024.0;
 /// Range of a particle's cost, its pairs included, relative to the mean. Particles in flight cost a tenth of those at
 /// rest on others; a ratio outside this range is treated as an error of the measured time.
 const COST_RANGE: [f64; 2] = [0.1, 10.0];
+
+/// How the box is cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Cuts<'a> {
+    /// The box.
+    pub bounds: &'a Bounds,
+    /// Its parts.
+    pub decomposition: &'a Decomposition,
+    /// Least width of a part; length.
+    pub least_width: f64,
+}
 
 /// Number of particles or pairs of a rank, and the time of a step that it spends on them, waiting excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,17 +85,14 @@ impl RankLoad {
         }
     }
 
-    /// The rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are at
-    /// least `least_width` wide; `particles` are the owned ones, as wrapped positions and numbers of pairs counted with
-    /// each. This call is collective.
+    /// The rank grid with cut planes at the quantiles of the cost over the particles' coordinates. `particles` are those owned, positions wrapped, and how many pairs are counted with each.
+    /// This call is collective.
     ///
     /// The planes determine which rank does which work, but never change a result.
     pub fn balanced(
         &self,
-        decomposition: &Decomposition,
+        Cuts { bounds, decomposition, least_width }: Cuts<'_>,
         particles: impl Iterator<Item = (Vector3<f64>, u32)> + Clone,
-        bounds: &Bounds,
-        least_width: f64,
         ranks: &dyn Communicator,
     ) -> Decomposition {
         let cut_planes = std::array::from_fn(|axis| {
@@ -168,7 +176,9 @@ mod tests {
                 };
                 let positions = own.iter().map(|&z| (Vector3::new(2.0, 2.0, z), pairs_of(z)));
                 let used = if known == Known::Counts { RankLoad::UNKNOWN } else { load };
-                decomposition = used.balanced(&decomposition, positions, &bounds, 0.5, ranks);
+                let (bounds, decomposition_now) = (&bounds, &decomposition);
+                let cuts = Cuts { bounds, decomposition: decomposition_now, least_width: 0.5 };
+                decomposition = used.balanced(cuts, positions, ranks);
             }
             load.imbalance
         });

@@ -1,7 +1,7 @@
 //! Dumps of LAMMPS and LIGGGHTS in their own text format; the last frame is used.
 
-use super::BedError;
 use super::columns::{At, Column, Header, Rows};
+use crate::beds::BedProblem;
 use std::path::Path;
 
 const KNOWN: [(&str, Column); 19] = [
@@ -36,9 +36,8 @@ struct Frame<'a, Lines: Iterator<Item = (At<'a>, &'a str)>> {
     end: At<'a>,
 }
 
-/// The rows of the last frame of a text, in a bed with this number of named species; without any, types have no
-/// meaning.
-pub(super) fn parse(text: &str, file: &Path, species: usize) -> Result<Rows, BedError> {
+/// The rows of the last frame of a text, in a bed of so many named species; without any, types mean nothing.
+pub(super) fn parse(text: &str, file: &Path, species: usize) -> Result<Rows, BedProblem> {
     let Some(start) = text.rfind("ITEM: TIMESTEP") else {
         return Err(At { file, line: 1 }.error("this is no dump: there is no line ITEM: TIMESTEP"));
     };
@@ -72,11 +71,11 @@ pub(super) fn parse(text: &str, file: &Path, species: usize) -> Result<Rows, Bed
 }
 
 impl<'a, Lines: Iterator<Item = (At<'a>, &'a str)>> Frame<'a, Lines> {
-    fn next(&mut self) -> Result<(At<'a>, &'a str), BedError> {
+    fn next(&mut self) -> Result<(At<'a>, &'a str), BedProblem> {
         self.lines.next().ok_or_else(|| self.end.error("the last frame is cut short"))
     }
 
-    fn bounds(&mut self) -> Result<[[f64; 2]; 3], BedError> {
+    fn bounds(&mut self) -> Result<[[f64; 2]; 3], BedProblem> {
         let mut bounds = [[0.0; 2]; 3];
         for axis in &mut bounds {
             let (at, line) = self.next()?;
@@ -96,7 +95,7 @@ impl<'a, Lines: Iterator<Item = (At<'a>, &'a str)>> Frame<'a, Lines> {
         header: &Header<'_>,
         count: usize,
         file_box: &[[f64; 2]; 3],
-    ) -> Result<Rows, BedError> {
+    ) -> Result<Rows, BedProblem> {
         let mut rows = Rows { have_velocities: header.has_velocities(), ..Rows::default() };
         for _ in 0..count {
             let (at, line) = self.next()?;

@@ -1,11 +1,13 @@
 //! Particles from a file.
 
-use super::super::particles::{BedFormat, sphere_mass};
-use super::super::tree::{NOT_UTF8, utf8_text};
+mod columns;
+mod csv;
+mod lammps;
+
 use super::cells::Cells;
-use super::columns::{At, Row, Rows};
-use super::{BedError, InitialBed, Sphere, csv, diameter_of, lammps, record};
-use crate::case::Case;
+use super::{BedFormat, BedPlan, BedProblem, InitialBed, Sphere};
+use crate::schema::text::{NOT_UTF8, utf8_text};
+use columns::{At, Row, Rows};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -16,22 +18,22 @@ const MOST_TURNS: f64 = 1000.0;
 
 /// The bed in a file, in the order of ids.
 pub(super) fn read(
-    case: &Case,
+    plan: &BedPlan<'_>,
     file: &Path,
     format: BedFormat,
     offset: Vector3<f64>,
-) -> Result<InitialBed, BedError> {
-    let failed = |reason: String| BedError::File { file: file.to_owned(), reason };
+) -> Result<InitialBed, BedProblem> {
+    let failed = |reason: String| BedProblem::File { file: file.to_owned(), reason };
     let bytes = std::fs::read(file).map_err(|error| failed(format!("cannot be read: {error}")))?;
     let text = utf8_text(bytes).map_err(|line| At { file, line }.error(NOT_UTF8))?;
     let Rows { mut rows, have_velocities } = match format {
-        BedFormat::Csv => csv::parse(&text, file, &case.particles.species)?,
-        BedFormat::Lammps => lammps::parse(&text, file, case.particles.species.len())?,
+        BedFormat::Csv => csv::parse(&text, file, &plan.particles.species)?,
+        BedFormat::Lammps => lammps::parse(&text, file, plan.particles.species.len())?,
     };
     if rows.is_empty() {
         return Err(failed("holds no particles".to_owned()));
     }
-    if have_velocities && case.particles.granular_temperature > 0.0 {
+    if have_velocities && plan.particles.granular_temperature > 0.0 {
         let words = "holds velocities: particles.start.velocity cannot be given too";
         return Err(failed(words.to_owned()));
     }
@@ -40,36 +42,42 @@ pub(super) fn read(
         let at = At { file, line: pair[1].line };
         return Err(at.error(format!("id {} is that of line {} too", pair[0].id, pair[0].line)));
     }
-    let bed = bed_of(case, &rows, offset, file)?;
-    bed.size_range().map_or(Ok(()), |sizes| case.require_sizes(&sizes))?;
+    let bed = bed_of(plan, &rows, offset, file)?;
+    let wrong = bed.size_range().map(|sizes| (plan.check_sizes)(&sizes)).unwrap_or_default();
+    if !wrong.is_empty() {
+        return Err(BedProblem::Keys(wrong));
+    }
     let lines: Vec<usize> = rows.iter().map(|row| row.line).collect();
-    check_overlaps(case, &bed, |number| At { file, line: lines[number] })?;
+    check_overlaps(plan, &bed, |number| At { file, line: lines[number] })?;
     Ok(bed)
 }
 
 fn bed_of(
-    case: &Case,
+    plan: &BedPlan<'_>,
     rows: &[Row],
     offset: Vector3<f64>,
     file: &Path,
-) -> Result<InitialBed, BedError> {
+) -> Result<InitialBed, BedProblem> {
     let mut bed = InitialBed::default();
     for row in rows {
         let at = At { file, line: row.line };
-        let diameter = row.diameter.or_else(|| diameter_of(case, row.id)).ok_or_else(|| {
+        let diameter = row.diameter.or_else(|| plan.diameter_of(row.id)).ok_or_else(|| {
             at.error("there is no diameter: give a column of it, or particles.diameter")
         })?;
         let position = Vector3::from(row.position) + offset;
-        require_inside(case, row.id, &position).map_err(|reason| at.error(reason))?;
-        let mut particle = record(case, row.id, &Sphere { position, diameter });
-        if case.particles.granular_temperature == 0.0 {
+        require_inside(plan, row.id, &position).map_err(|reason| at.error(reason))?;
+        let mut sphere = Sphere { position: position.into(), ..plan.sphere(row.id, diameter) };
+        if let Some(species) = row.species {
+            sphere.density = plan.particles.density_of_species(species);
+        }
+        let mut particle = plan.record(row.id, &sphere);
+        if plan.particles.granular_temperature == 0.0 {
             particle.velocity = row.velocity;
         }
         particle.angular_velocity = row.angular_velocity;
         if let Some(species) = row.species {
-            particle.mass = sphere_mass(case.particles.density_of_species(species), diameter);
             particle.species = species as f64;
-        } else if case.particles.species_count() > 1 {
+        } else if plan.particles.species_count() > 1 {
             let message = "there is no species: give a column of it (csv: species, a name; lammps: type, a number from 1)";
             return Err(at.error(message));
         }
@@ -78,15 +86,13 @@ fn bed_of(
     Ok(bed)
 }
 
-/// Requires that a position is not beyond a face, except for a periodic one.
-fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), String> {
-    let bounds = &case.domain.bounds;
+/// A position must not be beyond a face, but for a periodic one.
+fn require_inside(plan: &BedPlan<'_>, id: u64, position: &Vector3<f64>) -> Result<(), String> {
+    let bounds = &plan.domain.bounds;
     for (axis, name) in ['x', 'y', 'z'].into_iter().enumerate() {
         let (coordinate, length) = (position[axis], bounds.lengths()[axis]);
-        let allowed = match bounds.is_periodic(axis) {
-            true => -MOST_TURNS * length..=MOST_TURNS * length,
-            false => 0.0..=length,
-        };
+        let turns = MOST_TURNS * length;
+        let allowed = if bounds.is_periodic(axis) { -turns..=turns } else { 0.0..=length };
         if !allowed.contains(&coordinate) {
             return Err(format!("particle {id} is outside of the box: its {name} is {coordinate}"));
         }
@@ -96,24 +102,20 @@ fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), S
 
 /// Requires that overlaps are small. `place_of` gives the place of a particle in the file, by its number.
 fn check_overlaps<'a>(
-    case: &Case,
+    plan: &BedPlan<'_>,
     bed: &InitialBed,
     place_of: impl Fn(usize) -> At<'a>,
-) -> Result<(), BedError> {
+) -> Result<(), BedProblem> {
     let Some(sizes) = bed.size_range() else { return Ok(()) };
-    let spheres = bed.particles.iter().map(|particle| Sphere {
-        position: particle.position.into(),
-        diameter: 2.0 * particle.radius,
-    });
-    let spheres: Vec<Sphere> = spheres.collect();
+    let spheres: Vec<Sphere> = bed.particles.iter().map(Sphere::of).collect();
     let name = |number: usize| format!("particle {}", bed.particles[number].id);
-    let mut cells = Cells::new(&case.domain.bounds, sizes.largest_diameter, spheres.len());
+    let mut cells = Cells::new(&plan.domain.bounds, sizes.largest_diameter, spheres.len());
     for (number, sphere) in spheres.iter().enumerate() {
         let mut partner = cells.overlap(&spheres, sphere, MOST_OVERLAP).map(|(other, overlap)| {
             (format!("{} of line {}", name(other), place_of(other).line), overlap)
         });
-        for wall in &case.domain.walls {
-            let overlap = 0.5 - wall.height_of(&sphere.position) / sphere.diameter;
+        for wall in &plan.domain.walls {
+            let overlap = 0.5 - wall.height_of(&sphere.position.into()) / sphere.diameter();
             if overlap > MOST_OVERLAP {
                 partner = Some((format!("wall {:?}", wall.name), overlap));
             }
@@ -124,7 +126,7 @@ fn check_overlaps<'a>(
                 name(number)
             )));
         }
-        cells.push(&sphere.position);
+        cells.push(sphere.position);
     }
     Ok(())
 }

@@ -6,14 +6,14 @@ use crate::fields::Field;
 /// Fields that a user has registered, and their numbers: a row for each particle, in the order of the corresponding
 /// records.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct OwnFields {
+pub struct CustomFields {
     /// The fields, side by side in a row.
     pub fields: Vec<Field>,
     /// The rows, one after another.
     pub numbers: Vec<f64>,
 }
 
-impl OwnFields {
+impl CustomFields {
     /// Number of values in a row.
     pub fn width(&self) -> usize {
         self.fields.iter().map(Field::width).sum()
@@ -60,19 +60,19 @@ impl OwnFields {
 
 impl Particles {
     /// The custom fields of the owned particles.
-    pub fn own_fields(&self) -> OwnFields {
+    pub fn custom_fields(&self) -> CustomFields {
         let fields: Vec<Field> =
-            self.columns.own().flat_map(|column| column.fields()).copied().collect();
+            self.columns.custom().flat_map(|column| column.fields()).copied().collect();
         let mut numbers = Vec::new();
         if !fields.is_empty() {
-            (0..self.owned_count()).for_each(|index| self.append_own_row(index, &mut numbers));
+            (0..self.owned_count()).for_each(|index| self.append_custom_row(index, &mut numbers));
         }
-        OwnFields { fields, numbers }
+        CustomFields { fields, numbers }
     }
 
-    /// Appends the numbers of a particle in its custom fields.
-    pub(crate) fn append_own_row(&self, index: usize, numbers: &mut Vec<f64>) {
-        for column in self.columns.own() {
+    /// Appends the numbers of a particle in custom fields.
+    pub(crate) fn append_custom_row(&self, index: usize, numbers: &mut Vec<f64>) {
+        for column in self.columns.custom() {
             match column.row(index) {
                 [] => numbers.resize(numbers.len() + column.width(), 0.0),
                 row => numbers.extend_from_slice(row),
@@ -80,8 +80,8 @@ impl Particles {
         }
     }
 
-    /// Sets the numbers of a particle in its custom fields.
-    pub(crate) fn set_own_row(&mut self, index: usize, mut row: &[f64]) {
+    /// Sets the numbers of a particle in custom fields.
+    pub(crate) fn set_custom_row(&mut self, index: usize, mut row: &[f64]) {
         for column in self.columns.own_mut() {
             let (of_column, rest) = row.split_at(column.width());
             column.set_row(index, of_column);

@@ -1,6 +1,6 @@
 //! A custom table: number of particles that touch the plate, and kinetic energy, at intervals.
 //!
-//! Run it with `cargo run --release --example own_output -- table.csv`.
+//! Run it with `cargo run --release --example custom_output -- table.csv`.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -1,5 +1,7 @@
 //! The gas velocity at which the gas carries a bed at rest.
 
+use crate::gas::GasModel;
+
 /// Force of the gas on a particle at rest in a bed at rest: (V / phi) beta U / (1 - phi)^2, mean pressure gradient
 /// included.
 ///
@@ -15,7 +17,7 @@ pub fn gas_force_at_rest(drag: f64, superficial_velocity: f64, solids_fraction: 
 /// must increase without bound. U_mf is found by bisection, to rounding.
 ///
 /// ```
-/// use talcum::rules::minimum_fluidisation_velocity;
+/// use talcum::analysis::minimum_fluidisation::minimum_fluidisation_velocity;
 /// // Stokes' drag 3 pi mu d on a sphere with mu = 1/55, d = 1 and weight pi/6: U = (St / 18) (1 - phi)^2.
 /// let drag = 3.0 * std::f64::consts::PI / 55.0;
 /// let velocity = minimum_fluidisation_velocity(|_| drag, std::f64::consts::PI / 6.0, 0.6);
@@ -37,4 +39,21 @@ pub fn minimum_fluidisation_velocity(
         if force(middle) < weight { low = middle } else { high = middle }
     }
     high
+}
+
+/// U_mf of the force balance: the superficial velocity at which this gas carries a bed at rest of particles of a diameter and
+/// weight, at a solids fraction. None without gas or weight.
+pub fn velocity_of_balance(
+    gas: &GasModel,
+    (diameter, weight): (f64, f64),
+    solids_fraction: f64,
+) -> Option<f64> {
+    let drag = match gas {
+        GasModel::None => return None,
+        GasModel::Column(gas) => gas.particle_drag(),
+        GasModel::VolumeAveraged(model) => model.coupling.drag.clone(),
+    };
+    let per_velocity = |velocity: f64| drag.per_velocity(diameter, solids_fraction, velocity);
+    let balance = || minimum_fluidisation_velocity(per_velocity, weight, solids_fraction);
+    (weight > 0.0 && (0.0..1.0).contains(&solids_fraction)).then(balance)
 }

@@ -1,7 +1,7 @@
 //! Columns of a file of particles, and the reading of their numbers.
 
-use super::BedError;
-use crate::case::suggestion::nearest;
+use crate::beds::BedProblem;
+use crate::schema::text::nearest;
 use std::path::Path;
 
 /// One row: the data of a particle in the file.
@@ -52,8 +52,8 @@ pub(super) struct At<'a> {
 }
 
 impl At<'_> {
-    pub(super) fn error(self, reason: impl Into<String>) -> BedError {
-        BedError::Line { file: self.file.to_owned(), line: self.line, reason: reason.into() }
+    pub(super) fn error(self, reason: impl Into<String>) -> BedProblem {
+        BedProblem::Line { file: self.file.to_owned(), line: self.line, reason: reason.into() }
     }
 }
 
@@ -72,7 +72,7 @@ impl<'a> Header<'a> {
         known: &[(&'static str, Column)],
         ignore_others: bool,
         at: At<'_>,
-    ) -> Result<Self, BedError> {
+    ) -> Result<Self, BedProblem> {
         let mut columns = Vec::new();
         for name in &names {
             let column = match known.iter().find(|(known, _)| known == name) {
@@ -124,7 +124,7 @@ impl<'a> Header<'a> {
         fields: &[&str],
         file_box: &[[f64; 2]; 3],
         at: At<'_>,
-    ) -> Result<Row, BedError> {
+    ) -> Result<Row, BedProblem> {
         let (found, wanted) = (fields.len(), self.columns.len());
         if found != wanted {
             return Err(at.error(format!("has {found} fields where the header names {wanted}")));
