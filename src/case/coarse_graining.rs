@@ -3,10 +3,10 @@
 //! The rest of the case describes particles and is read as such; what acts on the parcels follows from it.
 
 use super::particles::{Amount, BedStart, ParticleSetup};
-use super::section::Section;
 use super::sizes::{SizeClass, SizeDistribution};
 use super::{Case, Stage};
 use crate::contact::{CoarseGraining, Kept};
+use crate::input::Section;
 
 /// `[coarse_graining]`: the case of the parcels.
 pub(super) fn read_coarse_graining(section: &Section<'_>, case: Case) -> Option<Case> {

@@ -1,12 +1,11 @@
 //! A column of gas, from its keys.
 
-use super::allowed_values::rounded;
 use super::context::ReadContext;
 use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
-use super::section::Section;
 use crate::domain::{Bounds, Face};
 use crate::gas::{BaseNode, ColumnGas, DragCorrelation, Drive, Plenum, WeightBalance};
+use crate::input::{Section, rounded};
 use crate::numbers::Schedule;
 
 /// More grid nodes than this are a mistake.

@@ -1,9 +1,7 @@
 //! Changes of a section by a later stage, or by a wall, as its table says what takes the place of what.
 
-use super::errors::Problems;
 use super::schema::{STAGE, section_keys};
-use super::section::Section;
-use super::tree::{Node, Value};
+use crate::input::{Node, Problems, Section, Value};
 use crate::schema::{ActiveKeys, Key, Kind, displaced_by};
 
 /// Puts entries in the place of those of the same key or of a partner. If they choose another word, keys that only

@@ -1,9 +1,8 @@
 //! The case file: a schema of its own, read strictly and turned once into what the rest works with.
 //!
-//! `schema` holds a table of keys for every section. Reading, `--set`, the merging of stages, error messages,
+//! `schema` holds a table of keys for every section. Reading (`input`), `--set`, the merging of stages, error messages,
 //! `docs/input.md`, `talcum keys` and the schema for editors follow from it.
 
-mod allowed_values;
 mod bed;
 mod boxes;
 mod changes;
@@ -13,7 +12,6 @@ mod contact;
 mod contact_laws;
 mod context;
 mod drag;
-mod errors;
 mod fluidisation;
 mod forces;
 mod gas;
@@ -24,33 +22,25 @@ mod mixing;
 mod overrides;
 mod own_laws;
 mod particles;
-mod places;
 mod plans;
-mod reference;
 mod renamed;
 mod schedules;
 mod schema;
-mod section;
 mod sizes;
 mod species;
 mod stage;
 mod stages;
-mod suggestion;
-mod tree;
 mod units;
 mod volume_averaged;
-mod wall_time;
 mod walls;
 
 pub use bed::{BedError, BedPart, InitialBed};
 pub(crate) use changes::for_each_value;
 pub use changes::{Change, changes};
-pub use errors::{CaseError, CaseErrors, SourcePlace};
 pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
-pub use places::Places;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
-pub use reference::{UnknownSection, json_schema, manual, terminal};
 pub(crate) use renamed::use_first_names;
+pub use schema::FILE_KEYS;
 pub use sizes::{SizeClass, SizeDistribution};
 pub use species::Species;
 pub use stage::Stage;
@@ -60,20 +50,17 @@ use crate::contact::CoarseGraining;
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
+use crate::input::{InputErrors, Node, Places, Problems, Section, read_text, rounded};
 use crate::measures::MeasurePlan;
 use crate::particles::{ListRange, Skin};
 use crate::state::{Domain, SizeRange};
-use allowed_values::rounded;
 use context::ReadContext;
-use errors::Problems;
 use particles::Scales;
 use renamed::FormerNames;
-use section::Section;
 use species::SpeciesSections;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
-use tree::{NOT_UTF8, Node, utf8_text};
 
 /// A run as its case file describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,25 +101,10 @@ impl Case {
     ///
     /// # Errors
     /// All that is wrong with the file, not only the first.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, CaseErrors> {
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, InputErrors> {
         let name = path.display().to_string();
-        let text = Self::read_text(path)?;
+        let text = read_text(path)?;
         Self::from_text(&text, &name, path.parent().unwrap_or(Path::new("")), overrides)
-    }
-
-    /// The text of a case file.
-    ///
-    /// # Errors
-    /// If it cannot be read.
-    pub fn read_text(path: &Path) -> Result<String, CaseErrors> {
-        let error = |place, reason: String| {
-            let problems = Problems::default();
-            problems.add_at(place, reason);
-            problems.into_errors(&path.display().to_string())
-        };
-        let bytes = std::fs::read(path)
-            .map_err(|reason| error(SourcePlace::File, format!("cannot be read: {reason}")))?;
-        utf8_text(bytes).map_err(|line| error(SourcePlace::Line(line), NOT_UTF8.to_owned()))
     }
 
     /// Reads the text of a case, which errors call `file_name`; paths in it are relative to `folder`.
@@ -144,7 +116,7 @@ impl Case {
         file_name: &str,
         folder: &Path,
         overrides: &[String],
-    ) -> Result<Self, CaseErrors> {
+    ) -> Result<Self, InputErrors> {
         Self::with_names((text, FormerNames::Reported), file_name, folder, overrides)
     }
 
@@ -158,7 +130,7 @@ impl Case {
         file_name: &str,
         folder: &Path,
         overrides: &[String],
-    ) -> Result<Self, CaseErrors> {
+    ) -> Result<Self, InputErrors> {
         Self::with_names((text, FormerNames::Read), file_name, folder, overrides)
     }
 
@@ -167,18 +139,14 @@ impl Case {
         file_name: &str,
         folder: &Path,
         overrides: &[String],
-    ) -> Result<Self, CaseErrors> {
+    ) -> Result<Self, InputErrors> {
         let problems = Problems::default();
         let case = overrides::apply(text, overrides, &problems)
             .map(|(text, tree)| (text, renamed::by_present_names(tree, former, &problems)))
             .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
-        match case {
-            Some(mut case) if problems.is_empty() => {
-                case.places.set_file_name(file_name);
-                Ok(case)
-            }
-            _ => Err(problems.into_errors(file_name)),
-        }
+        let mut case = problems.result(file_name, case)?;
+        case.places.set_file_name(file_name);
+        Ok(case)
     }
 
     /// The text of a case with overrides applied. Its values are not checked.
@@ -189,12 +157,10 @@ impl Case {
         text: &str,
         file_name: &str,
         overrides: &[String],
-    ) -> Result<String, CaseErrors> {
+    ) -> Result<String, InputErrors> {
         let problems = Problems::default();
-        match overrides::apply(text, overrides, &problems) {
-            Some((text, _)) if problems.is_empty() => Ok(text),
-            _ => Err(problems.into_errors(file_name)),
-        }
+        let applied = overrides::apply(text, overrides, &problems);
+        problems.result(file_name, applied.map(|(text, _)| text))
     }
 
     /// When the run ends.
@@ -294,7 +260,7 @@ impl Case {
     ///
     /// # Errors
     /// All that is wrong.
-    pub fn require_sizes(&self, sizes: &SizeRange) -> Result<(), CaseErrors> {
+    pub fn require_sizes(&self, sizes: &SizeRange) -> Result<(), InputErrors> {
         match self.check_sizes(sizes) {
             wrong if wrong.is_empty() => Ok(()),
             wrong => Err(self.places.errors(wrong)),

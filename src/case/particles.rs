@@ -1,9 +1,9 @@
 //! How many particles there are, of what, and where they begin.
 
-use super::section::Section;
 use super::sizes::{SizeClass, SizeDistribution, read_diameter};
 use super::species::{Species, SpeciesSections};
 use super::units::Units;
+use crate::input::Section;
 use crate::state::SizeRange;
 use nalgebra::Vector3;
 use std::f64::consts::PI;

@@ -1,8 +1,8 @@
 //! What a run writes and when, and how it is spread over ranks: nothing that changes its physics.
 
 use super::context::require_a_step;
-use super::section::Section;
 use crate::domain::RankGrid;
+use crate::input::Section;
 use crate::state::Balance;
 use std::time::Duration;
 

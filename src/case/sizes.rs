@@ -1,8 +1,8 @@
 //! Diameters of particles, and densities where classes differ in them: a number, a list, or a distribution. Drawn by id,
 //! so that they depend on the seed alone.
 
-use super::section::Section;
 use super::species::SpeciesSections;
+use crate::input::Section;
 use crate::numbers::{normal, random_of, uniform};
 use rand_chacha::ChaCha8Rng;
 

@@ -2,10 +2,8 @@
 
 use super::merging::merge;
 use super::mixing::{mixed, with_changes};
-use super::section::Section;
-use super::suggestion::nearest;
-use super::tree::{Node, Value};
 use crate::contact::{ByPair, BySpecies};
+use crate::input::{Node, Section, Value, nearest};
 use crate::schema::Key;
 
 /// A species as the case names it.

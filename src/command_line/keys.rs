@@ -1,7 +1,7 @@
 //! `talcum keys`: what may stand in a case file.
 
 use super::run::say;
-use crate::case::{json_schema, manual, terminal};
+use crate::case::FILE_KEYS;
 use crate::parallel::Communicator;
 use clap::Args;
 
@@ -21,9 +21,9 @@ pub(super) struct KeysOptions {
 /// Prints keys with unit, range, default and meaning.
 pub(super) fn keys(options: &KeysOptions, ranks: &dyn Communicator) -> anyhow::Result<()> {
     let text = match options {
-        KeysOptions { json_schema: true, .. } => json_schema(),
-        KeysOptions { markdown: true, .. } => manual(),
-        KeysOptions { section, .. } => terminal(section.as_deref())?,
+        KeysOptions { json_schema: true, .. } => FILE_KEYS.json_schema(),
+        KeysOptions { markdown: true, .. } => FILE_KEYS.manual(),
+        KeysOptions { section, .. } => FILE_KEYS.terminal(section.as_deref())?,
     };
     say(ranks, text.trim_end())
 }

@@ -1,8 +1,8 @@
 //! What a key of an input file is: its name, unit, kind of value, range, default, partners and meaning, as plain data.
 //!
 //! Tables of keys stand beside what they belong to: those of a section in `case/schema`, those of a law beside the
-//! law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors all follow
-//! from these tables, so no range and no default is written twice. This module knows nothing else of the crate.
+//! law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors all follow from
+//! these tables, so no range and no default is written twice. This module knows nothing else of the crate.
 
 mod allowed;
 mod mixing;
@@ -61,8 +61,12 @@ pub enum Kind {
     Count(u64, u64),
     /// Three whole numbers, along x, y and z, each from the first to the second.
     Counts(u64, u64),
+    /// Any number of whole numbers, at least one, each from the first to the second.
+    CountList(u64, u64),
     /// So many numbers.
     Vector(Allowed, usize),
+    /// Any number of lists of so many numbers, at least one.
+    Vectors(Allowed, usize),
     /// Any number of numbers, at least one.
     List(Allowed),
     /// One of several words; each may bring keys of its own.
@@ -71,6 +75,10 @@ pub enum Kind {
     Texts,
     /// Any number of these words, each once, at least one.
     Words(&'static [Word]),
+    /// Any number of values of any kind, at least one.
+    Values,
+    /// Keys of a case by their paths, each with a value of any kind.
+    Settings,
     /// A section, or a table in braces.
     Table(&'static [Key]),
     /// A list of sections.

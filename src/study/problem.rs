@@ -1,7 +1,7 @@
 //! What is wrong with a study file, and with the cases of its runs: every error with its line, key, value and what is
 //! allowed.
 
-use crate::case::{CaseError, CaseErrors, SourcePlace};
+use crate::input::{InputError, InputErrors, SourcePlace};
 use crate::study::setting::Setting;
 use std::cell::RefCell;
 use std::fmt;
@@ -105,10 +105,10 @@ impl CaseProblem {
     }
 
     /// All errors of a case.
-    pub(crate) fn all_of(CaseErrors { file_name, errors }: CaseErrors) -> Vec<Self> {
-        let problem = |error: CaseError| {
+    pub(crate) fn all_of(InputErrors { file_name, errors }: InputErrors) -> Vec<Self> {
+        let problem = |error: InputError| {
             let SourcePlace::Override(setting) = &error.place else {
-                let whole = CaseErrors { file_name: file_name.clone(), errors: vec![error] };
+                let whole = InputErrors { file_name: file_name.clone(), errors: vec![error] };
                 return Self::of_file(whole.to_string());
             };
             let subject = match (&*error.key, &error.value) {

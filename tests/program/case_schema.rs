@@ -5,7 +5,7 @@
 use crate::toml_files::toml_files;
 use boon::{Compiler, Schemas};
 use std::path::Path;
-use talcum::case::{json_schema, manual, terminal};
+use talcum::case::FILE_KEYS;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -28,19 +28,19 @@ pub(crate) fn require_written(file: &str, generated: &str, command: &str) {
 
 #[test]
 fn the_manual_is_what_the_tables_say() {
-    require_written("docs/input.md", &manual(), "talcum keys --markdown > docs/input.md");
+    require_written("docs/input.md", &FILE_KEYS.manual(), "talcum keys --markdown > docs/input.md");
 }
 
 #[test]
 fn the_schema_for_editors_is_what_the_tables_say() {
     let command = "talcum keys --json-schema > docs/case.schema.json";
-    require_written("docs/case.schema.json", &json_schema(), command);
+    require_written("docs/case.schema.json", &FILE_KEYS.json_schema(), command);
 }
 
 /// What the schema says of each case file of a folder: nothing, or an error.
 fn judged(folder: &str) -> Vec<(String, Option<String>)> {
     let mut compiler = Compiler::new();
-    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    let schema: serde_json::Value = serde_json::from_str(&FILE_KEYS.json_schema()).unwrap();
     compiler.add_resource("case.schema.json", schema).unwrap();
     let mut schemas = Schemas::new();
     let schema = compiler.compile("case.schema.json", &mut schemas).unwrap();
@@ -93,7 +93,7 @@ fn the_schema_refuses_wrong_values_keys_and_partners() {
 
 #[test]
 fn keys_of_a_section_are_printed_with_range_default_and_meaning() {
-    let contact = terminal(Some("contact")).unwrap();
+    let contact = FILE_KEYS.terminal(Some("contact")).unwrap();
     for expected in [
         "restitution\n",
         "Allowed: above 0 and at most 1.",
@@ -104,19 +104,19 @@ fn keys_of_a_section_are_printed_with_range_default_and_meaning() {
         assert!(contact.contains(expected), "{expected} is missing in\n{contact}");
     }
     assert!(!contact.contains("stokes_number"));
-    assert!(terminal(None).unwrap().contains("stokes_number"));
-    let error = terminal(Some("contcat")).unwrap_err().to_string();
+    assert!(FILE_KEYS.terminal(None).unwrap().contains("stokes_number"));
+    let error = FILE_KEYS.terminal(Some("contcat")).unwrap_err().to_string();
     assert_eq!(error, "there is no section or key \"contcat\": did you mean contact?");
 }
 
 #[test]
 fn a_key_or_what_belongs_to_a_word_is_printed_alone() {
-    let substeps = terminal(Some("gas.substeps")).unwrap();
+    let substeps = FILE_KEYS.terminal(Some("gas.substeps")).unwrap();
     assert!(substeps.contains("substeps\n") && !substeps.contains("viscosity"), "{substeps}");
-    let stress = terminal(Some("measure.stress")).unwrap();
+    let stress = FILE_KEYS.terminal(Some("measure.stress")).unwrap();
     for (key, is_there) in [("layers", true), ("wave_speed", true), ("radius", false)] {
         assert_eq!(stress.contains(&format!("\n  {key}")), is_there, "{key}: {stress}");
     }
-    let error = terminal(Some("measure.stres")).unwrap_err().to_string();
+    let error = FILE_KEYS.terminal(Some("measure.stres")).unwrap_err().to_string();
     assert_eq!(error, "there is no section or key \"measure.stres\": did you mean measure.stress?");
 }

@@ -1,7 +1,7 @@
 //! Columns of a file of particles: which ones there are, and how their numbers are read.
 
 use super::BedError;
-use crate::case::suggestion::nearest;
+use crate::input::nearest;
 use std::path::Path;
 
 /// One row: what the file says about a particle.

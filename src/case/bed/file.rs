@@ -1,11 +1,11 @@
 //! Particles from a file.
 
 use super::super::particles::{BedFormat, sphere_mass};
-use super::super::tree::{NOT_UTF8, utf8_text};
 use super::cells::Cells;
 use super::columns::{At, Row, Rows};
 use super::{BedError, InitialBed, Sphere, csv, diameter_of, lammps, record};
 use crate::case::Case;
+use crate::input::{NOT_UTF8, utf8_text};
 use nalgebra::Vector3;
 use std::path::Path;
 

@@ -8,8 +8,9 @@ mod lammps;
 mod lattice;
 mod random_fill;
 
+use super::Case;
 use super::particles::BedStart;
-use super::{Case, CaseErrors};
+use crate::input::InputErrors;
 use crate::numbers::{normal, random_of};
 use crate::parallel::ParticleRecord;
 use crate::state::SizeRange;
@@ -67,7 +68,7 @@ pub enum BedError {
     },
     /// What the case asks for does not fit, or does not suit the sizes of the particles.
     #[error(transparent)]
-    Case(#[from] CaseErrors),
+    Case(#[from] InputErrors),
     /// The start is the end of another run, which this module cannot read.
     #[error("the start is the end of another run, {}: it is read from that checkpoint", .0.display())]
     AnotherRun(PathBuf),
