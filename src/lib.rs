@@ -121,6 +121,7 @@ pub mod domain;
 pub mod fields;
 pub mod gas;
 pub mod grid;
+pub mod input;
 pub mod linear_solver;
 pub mod measures;
 pub mod numbers;

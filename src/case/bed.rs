@@ -1,7 +1,8 @@
 //! The particles at the start of a case.
 
-use super::{Case, CaseErrors};
+use super::Case;
 use crate::beds::{self, BedPart, BedPlan, BedProblem, InitialBed};
+use crate::input::InputErrors;
 use crate::state::SizeRange;
 use thiserror::Error;
 
@@ -10,7 +11,7 @@ use thiserror::Error;
 pub enum BedError {
     /// What the case asks for does not fit, or does not suit the sizes of the particles.
     #[error(transparent)]
-    Case(#[from] CaseErrors),
+    Case(#[from] InputErrors),
     /// Its file is wrong, or it is the end of another run.
     #[error(transparent)]
     Bed(BedProblem),

@@ -1,7 +1,7 @@
 //! The box.
 
-use super::section::Section;
 use crate::domain::{Bounds, Face};
+use crate::input::Section;
 use nalgebra::Vector3;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];

@@ -2,10 +2,10 @@
 //!
 //! The rest of the case describes particles and is read accordingly; the models for the parcels follow from it.
 
-use super::section::Section;
 use super::{Case, Stage};
 use crate::beds::{Amount, BedStart};
 use crate::contact::{CoarseGraining, Kept};
+use crate::input::Section;
 
 /// `[coarse_graining]`: the case of the parcels.
 pub(super) fn read_coarse_graining(section: &Section<'_>, case: Case) -> Option<Case> {

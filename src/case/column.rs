@@ -1,12 +1,11 @@
 //! The column gas, from its keys.
 
-use super::allowed_values::rounded;
 use super::context::ReadContext;
 use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
-use super::section::Section;
 use crate::domain::{Bounds, Face};
 use crate::gas::{BaseNode, ColumnGas, DragCorrelation, Drive, Plenum, WeightBalance};
+use crate::input::{Section, rounded};
 use crate::numbers::Schedule;
 
 /// Largest number of grid nodes: a larger one is a mistake.

@@ -1,16 +1,14 @@
 //! The section on contacts: between particles, and at walls.
 
 use super::contact_laws::{AdhesionContext, read_law};
-use super::errors::Problems;
 use super::merging::merge;
 use super::schema::AT_WALL;
-use super::section::Section;
 use super::species::{SharedSection, SpeciesSections};
-use super::tree::{Node, Value};
 use crate::contact::{
     ByPair, BySpecies, ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind,
     Softening, TwistingFriction,
 };
+use crate::input::{Node, Problems, Section, Value};
 
 /// The contacts of a stage.
 pub(super) struct Contacts {

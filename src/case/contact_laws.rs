@@ -2,9 +2,9 @@
 
 use super::context::ReadContext;
 use super::forces::positive_gravity;
-use super::section::Section;
 use super::units::Units;
 use crate::contact::{ContactLaw, ContactLawValues, Elasticity};
+use crate::input::Section;
 use crate::rules::attraction_of_bond_number;
 use crate::schema::KeyValues;
 

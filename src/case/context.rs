@@ -1,9 +1,9 @@
 //! Data that sections need from each other.
 
 use super::particles::Scales;
-use super::section::Section;
 use super::species::SpeciesSections;
 use super::units::Units;
+use crate::input::Section;
 use crate::state::Domain;
 use std::ops::Range;
 

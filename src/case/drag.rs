@@ -1,7 +1,7 @@
 //! The drag law and the rule by which it is shared, from their keys.
 
-use super::section::Section;
 use crate::gas::{DragLaw, DragShare};
+use crate::input::Section;
 
 /// The drag law.
 pub(super) fn read_drag(section: &Section<'_>) -> Option<DragLaw> {

@@ -2,10 +2,10 @@
 
 use super::context::ReadContext;
 use super::schedules::{read_schedule, start_of};
-use super::section::Section;
 use super::units::Units;
 use crate::contact::{CohesionExpression, ContactModel, VanDerWaals};
 use crate::domain::Vibration;
+use crate::input::Section;
 use crate::numbers::Schedule;
 use crate::rules::{ContactPartner, attraction_of_bond_number, hamaker_constant_per_bond_number};
 use std::f64::consts::PI;

@@ -3,9 +3,9 @@
 use super::column::read_column;
 use super::context::ReadContext;
 use super::forces::positive_gravity;
-use super::section::Section;
 use super::volume_averaged::read_volume_averaged;
 use crate::gas::GasModel;
+use crate::input::Section;
 use crate::rules::viscosity_of_stokes_number;
 
 /// `[gas]`.

@@ -2,9 +2,9 @@
 
 use super::Case;
 use super::context::require_a_step;
-use super::section::Section;
 use crate::domain::{Bounds, Vibration};
 use crate::grid::BoxGrid;
+use crate::input::Section;
 use crate::measures::{MeasureKind, MeasurePlan, MeasureValues};
 use crate::schema::KeyValues;
 use crate::state::SizeRange;

@@ -1,9 +1,7 @@
 //! Merging of a section with changes by a later stage, or by a wall; its table determines which keys replace which.
 
-use super::errors::Problems;
 use super::schema::{STAGE, section_keys};
-use super::section::Section;
-use super::tree::{Node, Value};
+use crate::input::{Node, Problems, Section, Value};
 use crate::schema::{ActiveKeys, Key, Kind, displaced_by};
 
 /// Replaces entries of the same key or of a partner. If the new entries choose another word, keys that only the

@@ -1,8 +1,7 @@
 //! A section for a pair of species, made from those of each species by the rules of its keys.
 
-use super::errors::CaseError;
 use super::merging::merge;
-use super::tree::{Node, Value};
+use crate::input::{InputError, Node, Value};
 use crate::schema::{ActiveKeys, Key, Mixing, displaced_by};
 
 /// A section with its own keys replaced by those of a change.
@@ -24,12 +23,12 @@ pub(super) fn mixed(
     own: Option<&Node>,
     keys: &'static [Key],
     names: [&str; 2],
-) -> Result<Node, Vec<CaseError>> {
+) -> Result<Node, Vec<InputError>> {
     let known = ActiveKeys::of(keys, &|key| one.get(key).and_then(Node::as_text));
     let rule = |name: &str| known.find(name).map_or(Mixing::None, |key| key.mixing);
     let own = own.map(Node::entries).unwrap_or_default();
     let of_body = own.iter().filter(|(name, _)| rule(name) == Mixing::OfBody);
-    let mut errors: Vec<CaseError> = of_body
+    let mut errors: Vec<InputError> = of_body
         .map(|(_, node)| {
             node.error("belongs to each species, not to a pair: give it in [[species]]")
         })
@@ -68,14 +67,14 @@ fn mixed_value(rule: Mixing, one: &Node, other: &Node) -> Option<Value> {
     rule.mixed(one.as_number()?, other.as_number()?).map(Value::Number)
 }
 
-fn no_rule(one: &Node, other: &Node, names: [&str; 2]) -> CaseError {
+fn no_rule(one: &Node, other: &Node, names: [&str; 2]) -> InputError {
     other.error(format!(
         "is {one} for species {:?}, and these have no rule of mixing: give the value of the two in a [[pair]] of {:?} and {:?}",
         names[0], names[0], names[1]
     ))
 }
 
-fn only_in(node: &Node, [one, other]: [&str; 2]) -> CaseError {
+fn only_in(node: &Node, [one, other]: [&str; 2]) -> InputError {
     node.error(format!(
         "species {one:?} has it, {other:?} has not: give both the same keys, or the values of the two in a [[pair]] of them"
     ))

@@ -1,10 +1,9 @@
 //! The case file: it has a schema of its own, is read strictly, and is converted once into the data of the other
 //! modules.
 //!
-//! `schema` contains a table of keys for every section. Reading, `--set`, the merging of stages, error messages,
-//! `docs/input.md`, `talcum keys` and the schema for editors are based on it.
+//! `schema` holds a table of keys for every section. Reading (`input`), `--set`, the merging of stages, error messages,
+//! `docs/input.md`, `talcum keys` and the schema for editors follow from it.
 
-mod allowed_values;
 mod bed;
 mod boxes;
 mod changes;
@@ -15,7 +14,6 @@ mod contact_laws;
 mod context;
 mod custom_laws;
 mod drag;
-mod errors;
 mod fluidisation;
 mod forces;
 mod gas;
@@ -25,21 +23,16 @@ mod merging;
 mod mixing;
 mod overrides;
 mod particles;
-mod places;
 mod plans;
-mod reference;
 mod renamed;
 mod schedules;
 mod schema;
-mod section;
 mod sizes;
 mod species;
 mod stage;
 mod stages;
-mod tree;
 mod units;
 mod volume_averaged;
-mod wall_time;
 mod walls;
 
 pub use crate::beds::{
@@ -49,11 +42,9 @@ pub use crate::beds::{
 pub use bed::BedError;
 pub(crate) use changes::for_each_value;
 pub use changes::{Change, changes};
-pub use errors::{CaseError, CaseErrors, SourcePlace};
-pub use places::Places;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
-pub use reference::{UnknownSection, json_schema, manual, terminal};
 pub(crate) use renamed::use_first_names;
+pub use schema::FILE_KEYS;
 pub use stage::Stage;
 pub use units::Units;
 
@@ -61,21 +52,17 @@ use crate::contact::CoarseGraining;
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
+use crate::input::{InputErrors, Node, Places, Problems, Section, read_text, rounded};
 use crate::measures::MeasurePlan;
 use crate::particles::{ListRange, Skin};
-use crate::schema::text::{NOT_UTF8, utf8_text};
 use crate::state::{Domain, SizeRange};
-use allowed_values::rounded;
 use context::ReadContext;
-use errors::Problems;
 use particles::Scales;
 use renamed::FormerNames;
-use section::Section;
 use species::SpeciesSections;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
-use tree::Node;
 
 /// A run as described by its case file.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,26 +102,11 @@ impl Case {
     /// Reads a case file; each override is a text `key.path=value`.
     ///
     /// # Errors
-    /// All errors of the file, not only the first.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, CaseErrors> {
+    /// All that is wrong with the file, not only the first.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, InputErrors> {
         let name = path.display().to_string();
-        let text = Self::read_text(path)?;
+        let text = read_text(path)?;
         Self::from_text(&text, &name, path.parent().unwrap_or(Path::new("")), overrides)
-    }
-
-    /// The text of a case file.
-    ///
-    /// # Errors
-    /// If it cannot be read.
-    pub fn read_text(path: &Path) -> Result<String, CaseErrors> {
-        let error = |place, reason: String| {
-            let problems = Problems::default();
-            problems.add_at(place, reason);
-            problems.into_errors(&path.display().to_string())
-        };
-        let bytes = std::fs::read(path)
-            .map_err(|reason| error(SourcePlace::File, format!("cannot be read: {reason}")))?;
-        utf8_text(bytes).map_err(|line| error(SourcePlace::Line(line), NOT_UTF8.to_owned()))
     }
 
     /// Reads the text of a case, which is called `file_name` in errors; paths in it are relative to `folder`.
@@ -146,7 +118,7 @@ impl Case {
         file_name: &str,
         folder: &Path,
         overrides: &[String],
-    ) -> Result<Self, CaseErrors> {
+    ) -> Result<Self, InputErrors> {
         Self::with_names((text, FormerNames::Reported), file_name, folder, overrides)
     }
 
@@ -160,7 +132,7 @@ impl Case {
         file_name: &str,
         folder: &Path,
         overrides: &[String],
-    ) -> Result<Self, CaseErrors> {
+    ) -> Result<Self, InputErrors> {
         Self::with_names((text, FormerNames::Read), file_name, folder, overrides)
     }
 
@@ -169,18 +141,14 @@ impl Case {
         file_name: &str,
         folder: &Path,
         overrides: &[String],
-    ) -> Result<Self, CaseErrors> {
+    ) -> Result<Self, InputErrors> {
         let problems = Problems::default();
         let case = overrides::apply(text, overrides, &problems)
             .map(|(text, tree)| (text, renamed::by_present_names(tree, former, &problems)))
             .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
-        match case {
-            Some(mut case) if problems.is_empty() => {
-                case.places.set_file_name(file_name);
-                Ok(case)
-            }
-            _ => Err(problems.into_errors(file_name)),
-        }
+        let mut case = problems.result(file_name, case)?;
+        case.places.set_file_name(file_name);
+        Ok(case)
     }
 
     /// The text of a case with overrides applied. Its values are not checked.
@@ -191,12 +159,10 @@ impl Case {
         text: &str,
         file_name: &str,
         overrides: &[String],
-    ) -> Result<String, CaseErrors> {
+    ) -> Result<String, InputErrors> {
         let problems = Problems::default();
-        match overrides::apply(text, overrides, &problems) {
-            Some((text, _)) if problems.is_empty() => Ok(text),
-            _ => Err(problems.into_errors(file_name)),
-        }
+        let applied = overrides::apply(text, overrides, &problems);
+        problems.result(file_name, applied.map(|(text, _)| text))
     }
 
     /// Time at which the run ends.
@@ -286,8 +252,8 @@ impl Case {
     /// Like [`Case::check_sizes`], with the place of each key.
     ///
     /// # Errors
-    /// All errors.
-    pub fn require_sizes(&self, sizes: &SizeRange) -> Result<(), CaseErrors> {
+    /// All that is wrong.
+    pub fn require_sizes(&self, sizes: &SizeRange) -> Result<(), InputErrors> {
         match self.check_sizes(sizes) {
             wrong if wrong.is_empty() => Ok(()),
             wrong => Err(self.places.errors(wrong)),

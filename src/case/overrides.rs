@@ -1,9 +1,8 @@
 //! Overrides of the command line, `key.path=value`: they are inserted into the text, whose format is kept.
 
-use super::errors::{Problems, SourcePlace};
 use super::merging::useless_keys;
 use super::schema::ROOT;
-use super::tree::Node;
+use crate::input::{Node, Problems, SourcePlace};
 use crate::schema::{Key, Kind, displaced_by, every_key};
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 

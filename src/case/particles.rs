@@ -1,10 +1,10 @@
 //! How the case file says how many particles there are, of what, and where they begin.
 
-use super::section::Section;
 use super::sizes::read_diameter;
 use super::species::SpeciesSections;
 use super::units::Units;
 use crate::beds::{Amount, BedFormat, BedStart, ParticleSetup, SizeDistribution, sphere_mass};
+use crate::input::Section;
 use nalgebra::Vector3;
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Results of a run, their times, and its division among ranks: settings that do not change its physics.
 
 use super::context::require_a_step;
-use super::section::Section;
 use crate::balance::Balance;
 use crate::domain::RankGrid;
+use crate::input::Section;
 use std::time::Duration;
 
 /// Intervals of results, in simulated time; `None` for results that are not written.

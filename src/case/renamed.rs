@@ -1,8 +1,7 @@
 //! Former names of keys and sections.
 
-use super::errors::{Problems, SourcePlace};
 use super::schema::ROOT;
-use super::tree::{Node, Value};
+use crate::input::{Node, Problems, SourcePlace, Value};
 use crate::schema::{Key, Kind, declaration_of};
 use toml::Table;
 

@@ -1,7 +1,6 @@
 //! Numbers that change with time.
 
-use super::section::Section;
-use super::tree::Node;
+use crate::input::{Node, Section};
 use crate::numbers::Schedule;
 use std::ops::Range;
 

@@ -1,10 +1,10 @@
 //! How the case file says the sizes of particles.
 
-use super::section::Section;
 use super::species::SpeciesSections;
 use crate::beds::{SizeClass, SizeDistribution};
+use crate::input::Section;
 
-    /// Smallest fraction of a distribution that must lie between its bounds: the rest is drawn again.
+/// Smallest fraction of a distribution that must lie between its bounds: the rest is drawn again.
 const LEAST_PART: f64 = 0.05;
 
 /// Reads the key `diameter`; `None` if it is missing or wrong.

@@ -2,12 +2,10 @@
 
 use super::merging::merge;
 use super::mixing::{mixed, with_changes};
-use super::section::Section;
-use super::tree::{Node, Value};
 use crate::beds::Species;
 use crate::contact::{ByPair, BySpecies};
+use crate::input::{Node, Section, Value, nearest};
 use crate::schema::Key;
-use crate::schema::text::nearest;
 
 /// The species, with the nodes that contain their differences.
 pub(super) struct SpeciesSections<'a> {

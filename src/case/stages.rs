@@ -7,13 +7,13 @@ use super::forces::{read_cohesion, read_gravity, read_vibration, softened};
 use super::gas::read_gas;
 use super::merging::StageSection;
 use super::schema::COHESION;
-use super::section::Section;
 use super::species::SharedSection;
 use super::stage::Stage;
 use super::walls::contacts_of;
 use crate::contact::{ByPair, ContactModel, Exchanges, VanDerWaals};
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
+use crate::input::Section;
 use crate::state::Physics;
 use std::ops::Range;
 

@@ -4,13 +4,13 @@ use super::boxes::AXES;
 use super::context::ReadContext;
 use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
-use super::section::Section;
 use crate::domain::{Wall, WallShape};
 use crate::gas::volume_averaged::{
     Boundary, CouplingModel, Inlet, Jet, Profile, VolumeAveragedGas, VolumeAveragedModel, across,
 };
 use crate::gas::{AgglomerateDrag, ParticleDrag};
 use crate::grid::{BoxGrid, RoundColumn};
+use crate::input::Section;
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;

@@ -1,12 +1,10 @@
 //! The walls: those in faces of the box, and those of the case.
 
 use super::boxes::{AXES, read_bounds};
-use super::errors::Problems;
-use super::section::Section;
-use super::tree::Node;
 use super::{Case, Stage};
 use crate::domain::{Bounds, BoxFace, Wall, WallMotion, WallShape};
 use crate::gas::GasModel;
+use crate::input::{Node, Problems, Section};
 use crate::rules::speed_limit;
 use crate::state::Domain;
 use nalgebra::Vector3;

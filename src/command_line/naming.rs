@@ -1,7 +1,8 @@
 //! Title of a run: it gives the differences from its case file, and the state with which the run begins.
 
 use crate::analysis::Digest;
-use crate::case::{Case, CaseErrors, changes};
+use crate::case::{Case, changes};
+use crate::input::InputErrors;
 
 /// Sections and keys that do not change the results, and are not named.
 const WITHOUT_EFFECT: [&str; 4] = ["title", "parallel", "run", "checkpoint"];
@@ -12,7 +13,7 @@ pub(super) fn name_differences(
     case: &mut Case,
     set: &[String],
     begins_with: Option<&Digest>,
-) -> Result<(), CaseErrors> {
+) -> Result<(), InputErrors> {
     let has_effect = |change: &&String| {
         let section = change.split(['.', '=']).next().unwrap_or("").trim();
         !WITHOUT_EFFECT.contains(&section)
@@ -51,7 +52,7 @@ fn sets_title(set: &[String]) -> bool {
     set.iter().any(|change| change.split('=').next().is_some_and(|key| key.trim() == "title"))
 }
 
-fn with_title(text: &str, title: &str) -> Result<String, CaseErrors> {
+fn with_title(text: &str, title: &str) -> Result<String, InputErrors> {
     let title = toml::Value::String(title.to_owned());
     Case::text_with(text, "the case", &[format!("title={title}")])
 }

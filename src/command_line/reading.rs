@@ -1,6 +1,7 @@
 //! Cases that are read once and known to all ranks.
 
 use crate::case::Case;
+use crate::input::read_text;
 use crate::parallel::{Communicator, agree};
 use std::path::Path;
 
@@ -13,7 +14,7 @@ pub(super) fn read_case(
 ) -> anyhow::Result<Case> {
     let name = path.display();
     let text = if ranks.is_root() {
-        Case::read_text(path).map_err(|error| error.to_string())
+        read_text(path).map_err(|error| error.to_string())
     } else {
         Ok(String::new())
     };

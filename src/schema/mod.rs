@@ -1,16 +1,14 @@
 //! Declaration of the keys of input files: name, unit, kind of value, range, default, partners and meaning, as plain
 //! data.
 //!
-//! Tables of keys are defined with the code that they belong to: those of a section in `case/schema`, those of a law in
-//! the file of the law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors
-//! are all based on these tables, so that no range and no default is written twice. This module does not depend on the
-//! rest of the crate.
+//! Tables of keys stand beside what they belong to: those of a section in `case/schema` or `study/schema`, those of a law
+//! beside the law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors all follow
+//! from these tables, so no range and no default is written twice. This module knows nothing else of the crate.
 
 mod allowed;
 mod mixing;
 mod schedule;
 mod table;
-pub mod text;
 mod values;
 
 pub use allowed::Allowed;
@@ -64,8 +62,12 @@ pub enum Kind {
     Count(u64, u64),
     /// Three whole numbers, along x, y and z, each from the first to the second.
     Counts(u64, u64),
+    /// Any number of whole numbers, at least one, each from the first to the second.
+    CountList(u64, u64),
     /// A given number of numbers.
     Vector(Allowed, usize),
+    /// Any number of lists of so many numbers, at least one.
+    Vectors(Allowed, usize),
     /// Any number of numbers, at least one.
     List(Allowed),
     /// One of several words; each may bring keys of its own.
@@ -74,6 +76,10 @@ pub enum Kind {
     Texts,
     /// One or more of these words, each at most once.
     Words(&'static [Word]),
+    /// Any number of values of any kind, at least one.
+    Values,
+    /// Keys of a case by their paths, each with a value of any kind.
+    Settings,
     /// A section, or a table in braces.
     Table(&'static [Key]),
     /// A list of sections.

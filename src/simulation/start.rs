@@ -3,9 +3,10 @@
 use super::cheapest_grid::cheapest_grid;
 use super::layout::{divide, layout_of, named_grid};
 use crate::analysis::Digest;
-use crate::case::{BedPart, BedStart, Case, CaseErrors, Change, RankLayout, changes};
+use crate::case::{BedPart, BedStart, Case, Change, RankLayout, changes};
 use crate::domain::{RankGrid, Wall};
 use crate::gas::GasState;
+use crate::input::InputErrors;
 use crate::measures::MeasureState;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{CollectiveError, Communicator, ParticleRecord, WallContactRecord, agree};
@@ -51,7 +52,7 @@ pub enum StartError {
     },
     /// The case does not suit the sizes of the particles, or the number of ranks.
     #[error(transparent)]
-    Case(#[from] CaseErrors),
+    Case(#[from] InputErrors),
 }
 
 /// Origin of an initial state.

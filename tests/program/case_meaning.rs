@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
-use talcum::case::{Case, RankLayout, json_schema};
+use talcum::case::{Case, FILE_KEYS, RankLayout};
 use talcum::contact::VanDerWaals;
 use talcum::domain::{Face, WallShape};
 use talcum::gas::{DragLaw, Drive, GasModel};
@@ -219,7 +219,7 @@ fn a_file_that_cannot_be_read_is_an_error() {
 
 /// The words that a key of `[gas]` may have, from the schema: a new one is tested without another line here.
 fn words_of_gas(key: &str) -> Vec<String> {
-    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    let schema: serde_json::Value = serde_json::from_str(&FILE_KEYS.json_schema()).unwrap();
     let words = &schema["definitions"]["gas"]["properties"][key]["enum"];
     words.as_array().unwrap().iter().map(|word| word.as_str().unwrap().to_owned()).collect()
 }

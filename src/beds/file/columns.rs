@@ -1,7 +1,7 @@
 //! Columns of a file of particles, and the reading of their numbers.
 
 use crate::beds::BedProblem;
-use crate::schema::text::nearest;
+use crate::input::nearest;
 use std::path::Path;
 
 /// One row: the data of a particle in the file.

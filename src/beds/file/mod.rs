@@ -6,7 +6,7 @@ mod lammps;
 
 use super::cells::Cells;
 use super::{BedFormat, BedPlan, BedProblem, InitialBed, Sphere};
-use crate::schema::text::{NOT_UTF8, utf8_text};
+use crate::input::{NOT_UTF8, utf8_text};
 use columns::{At, Row, Rows};
 use nalgebra::Vector3;
 use std::path::Path;

@@ -22,25 +22,43 @@ pub(super) use species::{PAIR, SPECIES};
 pub(super) use time::{STAGE, TIME};
 
 use crate::contact::COARSE_GRAINING;
+use crate::input::{Chapter, FileKeys};
 use crate::schema::{Key, Kind, Merged, SIGNED_SCHEDULE, Word};
 
-/// One section of the manual.
-#[derive(Debug)]
-pub(super) struct Chapter {
-    /// Path of the section; empty for the top level of the file.
-    pub(in crate::case) path: &'static str,
-    /// Subject of the section, as a part of its heading; empty if its name is clear.
-    pub(in crate::case) title: &'static str,
-    /// Its keys.
-    pub(in crate::case) keys: &'static [Key],
-    /// Text before the table of keys.
-    pub(in crate::case) before: &'static str,
-    /// Text after it.
-    pub(in crate::case) after: &'static str,
-}
+/// The keys of a case file.
+pub const FILE_KEYS: FileKeys =
+    FileKeys { title: "Case file of talcum", root: ROOT, chapters: CHAPTERS, head: HEAD };
+
+const HEAD: &str = "\
+# The case file
+
+<!-- Written by `talcum keys --markdown` from the tables in src/case/schema: change those. -->
+
+One TOML file describes a run. `talcum check CASE.toml` reads it and says what will run. Unknown keys are errors, and all
+errors are reported at once, each with file, line, key, value and what is allowed:
+
+    vibrated.toml:12: contact.restitution = 1.4: must be above 0 and at most 1
+
+Keys without a default are required. No default hides physics: those few that touch it are printed by `check` and at the start of a run. All numbers are in
+the coherent units that `units` names, and their magnitude is between 1e-30 and 1e30, or 0.
+
+`talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys, show their meaning and mark
+errors if the first line of the file gives the schema, by its path relative to the file or by its address (Taplo,
+and Even Better TOML in VS Code):
+
+    #:schema ../../docs/case.schema.json
+
+Outside the repository, `talcum keys --json-schema > case.schema.json` writes it beside the case.
+
+`--set key.path=value` on the command line changes a key before the file is read. Members of a list go by number, from 1,
+or by name: `--set stage.2.duration=5`, `--set stage.ramp.gas.superficial_velocity=0.1`. Texts of one word, and durations
+such as `3h50m`, need no quotes. A key takes the place of the one that it excludes (`viscosity` that of `stokes_number`),
+and a new `law`, `drag`, `rolling`, `twisting` or `kind` removes the keys that only the old one has. The file with all changes is
+kept in the results as `case.toml`.
+";
 
 /// All sections, in the order of the manual.
-pub(super) const CHAPTERS: &[Chapter] = &[
+const CHAPTERS: &[Chapter] = &[
     Chapter { path: "", title: "Top level", keys: ROOT, before: "", after: "" },
     boxes::BOX_CHAPTER,
     boxes::WALL_CHAPTER,

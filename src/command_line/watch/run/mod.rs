@@ -18,6 +18,7 @@ use self::listing::Listing;
 use self::pace::Pace;
 use self::state::Marks;
 use crate::case::Case;
+use crate::input;
 use crate::output::readers::{ProfileTable, SeriesTable};
 use crate::output::{OutputError, require_file};
 use anyhow::{anyhow, bail};
@@ -75,7 +76,7 @@ impl WatchedRun {
         let folder = &self.folder;
         self.case.renew(case, |path| {
             require_file(path).map_err(|error| format!("{}: {error}", path.display()))?;
-            let text = Case::read_text(path).map_err(|error| error.to_string())?;
+            let text = input::read_text(path).map_err(|error| error.to_string())?;
             let case = Case::of_earlier_run(&text, &path.display().to_string(), folder, &[]);
             case.map_err(|errors| errors.to_string())
         });

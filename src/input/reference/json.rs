@@ -1,7 +1,6 @@
-//! A JSON schema of the case file, for editors of TOML.
+//! A JSON schema of a kind of file, for editors of TOML.
 
-use super::super::schema::ROOT;
-use super::{absence, allowed};
+use super::{FileKeys, absence, allowed};
 use crate::schema::{Allowed, Key, Kind, Merged, Required, Value as Literal, Word, every_key};
 use serde_json::{Map, Value, json};
 
@@ -9,14 +8,16 @@ use serde_json::{Map, Value, json};
 const WALL_TIME: &str = "^\\s*([0-9]+[dhms])+\\s*$";
 
 /// The schema, as the text of a file: draft 7, which Taplo reads.
-pub fn json_schema() -> String {
+pub(super) fn json_schema(file: &FileKeys) -> String {
     let mut definitions = Map::new();
-    define(ROOT, &mut definitions);
-    let mut schema = table(ROOT, true);
+    define(file.root, &mut definitions);
+    let mut schema = table(file.root, true);
     if let Value::Object(entries) = &mut schema {
         entries.insert("$schema".into(), json!("http://json-schema.org/draft-07/schema#"));
-        entries.insert("title".into(), json!("Case file of talcum"));
-        entries.insert("definitions".into(), Value::Object(definitions));
+        entries.insert("title".into(), json!(file.title));
+        if !definitions.is_empty() {
+            entries.insert("definitions".into(), Value::Object(definitions));
+        }
     }
     let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
     text.push('\n');
@@ -118,8 +119,12 @@ fn value(kind: &Kind) -> Value {
         Kind::Schedule(allowed, keys) => json!({ "anyOf": [number(*allowed), table(keys, true)] }),
         Kind::Count(least, most) => count(*least, *most),
         Kind::Counts(least, most) => list(count(*least, *most), Some(3)),
+        Kind::CountList(least, most) => list(count(*least, *most), None),
         Kind::Vector(allowed, length) => list(number(*allowed), Some(*length)),
+        Kind::Vectors(allowed, length) => list(list(number(*allowed), Some(*length)), None),
         Kind::List(allowed) => list(number(*allowed), None),
+        Kind::Values => json!({ "type": "array", "minItems": 1 }),
+        Kind::Settings => json!({ "type": "object" }),
         Kind::Word(words) => word(words),
         Kind::Texts => list(json!({ "type": "string" }), None),
         Kind::Words(words) => list(word(words), None),

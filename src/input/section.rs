@@ -1,17 +1,19 @@
 //! A section that is checked against its table of keys when it is opened, and then read key by key.
 
 use super::allowed_values::{check, description, words_of};
-use super::errors::{CaseError, Problems};
+use super::errors::{InputError, Problems};
+use super::suggestion::advice;
 use super::tree::{Node, Value};
 use super::wall_time;
-use crate::schema::text::nearest;
 use crate::schema::{self, ActiveKeys, Key, KeyValues, Kind, Required};
 use std::time::Duration;
 
-/// An open section. Its errors have been reported: missing or wrong values read as `None`.
-pub(super) struct Section<'a> {
-    pub(super) node: &'a Node,
-    pub(super) problems: &'a Problems,
+/// An open section. What is wrong with it has been reported: whatever is missing or wrong reads as `None`.
+pub struct Section<'a> {
+    /// What the file says.
+    pub node: &'a Node,
+    /// Where errors go.
+    pub problems: &'a Problems,
     keys: ActiveKeys,
 }
 
@@ -19,12 +21,8 @@ pub(super) struct Section<'a> {
 static NOTHING: Node = Node::EMPTY;
 
 impl<'a> Section<'a> {
-    /// Checks a node and everything below it against a table, and opens it.
-    pub(super) fn open(
-        node: &'a Node,
-        keys: &'static [Key],
-        problems: &'a Problems,
-    ) -> Option<Self> {
+    /// Checks a node and all below against a table, and opens it.
+    pub fn open(node: &'a Node, keys: &'static [Key], problems: &'a Problems) -> Option<Self> {
         if let Err(message) = check(&Kind::Table(keys), node) {
             problems.add(node.error(message));
             return None;
@@ -71,7 +69,7 @@ impl<'a> Section<'a> {
                 matches!(kind, Kind::Vector(..)) && message.starts_with("must be a list");
             let meaning = if is_shape { format!(" ({})", key.meaning) } else { String::new() };
             self.problems.add(node.error(message + &meaning));
-        } else if !matches!(kind, Kind::Merged(_)) {
+        } else if !matches!(kind, Kind::Merged(_) | Kind::Settings) {
             let tables: Vec<&Node> = match &node.value {
                 Value::Table(named) if matches!(kind, Kind::Named(_)) => {
                     named.iter().map(|(_, table)| table).collect()
@@ -92,10 +90,7 @@ impl<'a> Section<'a> {
         let mut known: Vec<&str> = keys.map(|key| key.name).collect();
         known.sort_unstable();
         known.dedup();
-        match nearest(name, &known) {
-            Some(near) => format!("unknown key: did you mean {near}?"),
-            None => format!("unknown key: known here are {}", known.join(", ")),
-        }
+        format!("unknown key: {}", advice(name, &known))
     }
 
     /// Checks for keys that are missing, that exclude each other, or that belong to another one.
@@ -141,9 +136,9 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reports that a key is missing unless it or a partner is given, for example because the condition under which its
-    /// table requires it holds.
-    pub(super) fn require(&self, name: &'static str) {
+    /// Reports that a key is missing unless it or a partner is given, for example because the condition holds under
+    /// which its table requires it.
+    pub fn require(&self, name: &'static str) {
         let Some(key) = self.key(name) else { return };
         if self.has(name) || self.has_any(key.partners) {
             return;
@@ -170,13 +165,17 @@ impl<'a> Section<'a> {
                 Kind::Table(_) | Kind::Merged(_) => {
                     format!("missing: must be a section [{}]", self.path_of(name))
                 }
+                Kind::Text => {
+                    let meaning = key.meaning.replace('`', "");
+                    format!("missing: must be a text in quotes{reason} ({meaning})")
+                }
                 kind => format!("missing: must be {}{reason}", description(&kind)),
             },
         );
     }
 
-    /// Records the default of a key that is left out, if its table declares it as printed.
-    pub(super) fn note_default(&self, name: &'static str) {
+    /// Notes what stands for a key that is left out, if its table says that this is printed.
+    pub fn note_default(&self, name: &'static str) {
         let default = self.key(name).filter(|_| !self.has(name)).and_then(|key| key.default);
         if let Some(schema::Fallback { value, printed: Some(reason) }) = default {
             let reason = if reason.is_empty() { String::new() } else { format!(", {reason}") };
@@ -184,11 +183,11 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reports an error of a key, at its line or, if it is left out, at the line of the section.
-    pub(super) fn fail(&self, name: &str, message: impl Into<String>) {
+    /// Reports an error of a key, at its line or, if it is left out, at that of the section.
+    pub fn fail(&self, name: &str, message: impl Into<String>) {
         let error = match self.node.get(name) {
             Some(node) => node.error(message),
-            None => CaseError {
+            None => InputError {
                 place: self.node.place.clone(),
                 key: self.path_of(name),
                 value: None,
@@ -199,7 +198,7 @@ impl<'a> Section<'a> {
     }
 
     /// Path of a key of this section.
-    pub(super) fn path_of(&self, name: &str) -> String {
+    pub fn path_of(&self, name: &str) -> String {
         match self.node.path.as_str() {
             "" => name.to_owned(),
             path => format!("{path}.{name}"),
@@ -207,7 +206,7 @@ impl<'a> Section<'a> {
     }
 
     /// Whether a key is given.
-    pub(super) fn has(&self, name: &str) -> bool {
+    pub fn has(&self, name: &str) -> bool {
         self.node.get(name).is_some()
     }
 
@@ -215,8 +214,8 @@ impl<'a> Section<'a> {
         names.iter().any(|name| self.has(name))
     }
 
-    /// The one of several keys that is given; `None` if none is given, or more than one.
-    pub(super) fn given(&self, names: &[&'static str]) -> Option<&'static str> {
+    /// Which one of several keys is given; `None` if more than one are, or none is.
+    pub fn given(&self, names: &[&'static str]) -> Option<&'static str> {
         let mut given = names.iter().copied().filter(|name| self.has(name));
         let first = given.next();
         first.filter(|_| given.next().is_none())
@@ -228,8 +227,8 @@ impl<'a> Section<'a> {
         key
     }
 
-    /// The value of a key, if it is allowed by the table.
-    fn right(&self, name: &str) -> Option<&'a Node> {
+    /// The value of a key, if it is what the table allows.
+    pub fn right(&self, name: &str) -> Option<&'a Node> {
         let (key, node) = (self.key(name)?, self.node.get(name)?);
         check(&key.kind, node).is_ok().then_some(node)
     }
@@ -241,7 +240,7 @@ impl<'a> Section<'a> {
     }
 
     /// A number, or its default.
-    pub(super) fn number(&self, name: &str) -> Option<f64> {
+    pub fn number(&self, name: &str) -> Option<f64> {
         match self.default(name) {
             Some(schema::Value::Number(number)) => Some(number),
             _ => self.right(name)?.as_number(),
@@ -249,7 +248,7 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number, or its default.
-    pub(super) fn count(&self, name: &str) -> Option<u64> {
+    pub fn count(&self, name: &str) -> Option<u64> {
         match self.default(name) {
             Some(schema::Value::Count(count)) => Some(count),
             _ => self.right(name)?.as_count(),
@@ -257,7 +256,7 @@ impl<'a> Section<'a> {
     }
 
     /// True or false, or its default.
-    pub(super) fn boolean(&self, name: &str) -> Option<bool> {
+    pub fn boolean(&self, name: &str) -> Option<bool> {
         match self.default(name) {
             Some(schema::Value::Boolean(truth)) => Some(truth),
             _ => self.right(name)?.as_boolean(),
@@ -265,15 +264,15 @@ impl<'a> Section<'a> {
     }
 
     /// A chosen word, or its default.
-    pub(super) fn word(&self, name: &str) -> Option<&'a str> {
+    pub fn word(&self, name: &str) -> Option<&'a str> {
         match self.default(name) {
             Some(schema::Value::Word(word)) => Some(word),
             _ => self.right(name)?.as_text(),
         }
     }
 
-    /// Meaning of a chosen word.
-    pub(super) fn choice<T: Clone>(&self, name: &str, meanings: &[(&str, T)]) -> Option<T> {
+    /// What a chosen word stands for.
+    pub fn choice<T: Clone>(&self, name: &str, meanings: &[(&str, T)]) -> Option<T> {
         let word = self.word(name)?;
         let meaning = meanings.iter().find(|(meant, _)| *meant == word);
         if meaning.is_none() {
@@ -285,15 +284,15 @@ impl<'a> Section<'a> {
         meaning.map(|(_, meaning)| meaning.clone())
     }
 
-    /// Meanings of the words of a list.
-    pub(super) fn choices<T: Copy>(&self, name: &str, meanings: &[(&str, T)]) -> Option<Vec<T>> {
+    /// What the words of a list stand for.
+    pub fn choices<T: Copy>(&self, name: &str, meanings: &[(&str, T)]) -> Option<Vec<T>> {
         let words = words_of(self.right(name)?)?;
         let meaning = |word: &String| meanings.iter().find(|(meant, _)| meant == word);
         words.iter().map(|word| meaning(word).map(|(_, meaning)| *meaning)).collect()
     }
 
     /// A text.
-    pub(super) fn text(&self, name: &str) -> Option<String> {
+    pub fn text(&self, name: &str) -> Option<String> {
         let text = self.right(name)?.as_text()?;
         if text.chars().any(char::is_control) {
             self.fail(name, "must not contain control characters".to_owned());
@@ -303,48 +302,48 @@ impl<'a> Section<'a> {
     }
 
     /// The texts of a list.
-    pub(super) fn texts(&self, name: &str) -> Option<Vec<String>> {
+    pub fn texts(&self, name: &str) -> Option<Vec<String>> {
         words_of(self.right(name)?)
     }
 
     /// A span of wall-clock time.
-    pub(super) fn wall_time(&self, name: &str) -> Option<Duration> {
+    pub fn wall_time(&self, name: &str) -> Option<Duration> {
         self.right(name)?.as_text().and_then(wall_time::parse)
     }
 
     /// A list of numbers.
-    pub(super) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+    pub fn numbers(&self, name: &str) -> Option<Vec<f64>> {
         self.right(name)?.as_list(Node::as_number)
     }
 
-    /// A given number of numbers.
-    pub(super) fn vector<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
+    /// So many numbers.
+    pub fn vector<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
         self.numbers(name)?.try_into().ok()
     }
 
     /// Whole numbers along x, y and z.
-    pub(super) fn counts(&self, name: &str) -> Option<[usize; 3]> {
+    pub fn counts(&self, name: &str) -> Option<[usize; 3]> {
         let counts = self.right(name)?.as_list(Node::as_count)?;
         let [x, y, z] = counts.as_slice().try_into().ok()?;
         Some([x, y, z].map(|count: u64| count as usize))
     }
 
-    /// A table, or a section; `None` if the value is of another kind.
-    pub(super) fn table(&self, name: &str) -> Option<Section<'a>> {
+    /// A table, or a section; `None` if something else is written.
+    pub fn table(&self, name: &str) -> Option<Section<'a>> {
         let node = self.right(name).filter(|node| matches!(node.value, Value::Table(_)))?;
         Self::open(node, self.key(name)?.kind.keys(), self.problems)
     }
 
-    /// A section that may be left out, in which case all its keys have their defaults.
-    pub(super) fn table_or_defaults(&self, name: &str) -> Option<Section<'a>> {
+    /// A section that may be left out: then all its keys have their defaults.
+    pub fn table_or_defaults(&self, name: &str) -> Option<Section<'a>> {
         match self.has(name) {
             true => self.table(name),
             false => Self::open(&NOTHING, self.key(name)?.kind.keys(), self.problems),
         }
     }
 
-    /// The sections whose names the user chose, each with its name.
-    pub(super) fn named(&self, name: &str) -> Vec<(&'a str, Section<'a>)> {
+    /// The sections of names that the user chose, each with its name.
+    pub fn named(&self, name: &str) -> Vec<(&'a str, Section<'a>)> {
         let Some((node, key)) = self.right(name).zip(self.key(name)) else { return Vec::new() };
         let open = |(name, table): &'a (String, Node)| {
             Some((name.as_str(), Self::open(table, key.kind.keys(), self.problems)?))
@@ -353,7 +352,7 @@ impl<'a> Section<'a> {
     }
 
     /// The sections of a list.
-    pub(super) fn tables(&self, name: &str) -> Vec<Section<'a>> {
+    pub fn tables(&self, name: &str) -> Vec<Section<'a>> {
         let Some((node, key)) = self.right(name).zip(self.key(name)) else { return Vec::new() };
         let open = |item| Self::open(item, key.kind.keys(), self.problems);
         node.items().iter().filter_map(open).collect()

@@ -1,12 +1,12 @@
 //! Checks of values against their keys, and descriptions of the allowed values.
 
+use super::suggestion::nearest;
 use super::tree::{Node, Value};
 use super::wall_time;
-use crate::schema::text::nearest;
 use crate::schema::{Allowed, Key, Kind, Word};
 
-/// A number rounded to 9 digits for output.
-pub(super) fn rounded(number: f64) -> f64 {
+/// A number for people: 9 digits.
+pub fn rounded(number: f64) -> f64 {
     format!("{number:.8e}").parse().unwrap_or(number)
 }
 
@@ -30,21 +30,21 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
         },
         Kind::Counts(least, most) => {
             let counts = node.as_list(Node::as_count).filter(|counts| counts.len() == 3);
-            if counts.ok_or_else(must)?.iter().all(|count| (*least..=*most).contains(count)) {
-                Ok(())
-            } else {
-                Err(format!("each must be between {least} and {most}"))
-            }
+            check_counts(&counts.ok_or_else(must)?, [*least, *most])
+        }
+        Kind::CountList(least, most) => {
+            check_counts(&node.as_list(Node::as_count).ok_or_else(must)?, [*least, *most])
         }
         Kind::Vector(allowed, length) => check_numbers(*allowed, Some(*length), kind, node),
+        Kind::Vectors(allowed, length) => check_vectors(&Kind::Vector(*allowed, *length), node),
         Kind::List(allowed) => check_numbers(*allowed, None, kind, node),
-        Kind::Texts => match words_of(node).ok_or_else(must)? {
-            texts if texts.is_empty() => Err("must not be empty".to_owned()),
-            _ => Ok(()),
-        },
+        Kind::Texts => check_texts(&words_of(node).ok_or_else(must)?),
+        Kind::Values => {
+            require_members(&node.as_list(|item| Some(item.span.start)).ok_or_else(must)?)
+        }
         Kind::Word(words) => check_word(words, node.as_text().unwrap_or_default()),
         Kind::Words(words) => check_words(words, &words_of(node).ok_or_else(must)?),
-        Kind::Table(_) => match &node.value {
+        Kind::Table(_) | Kind::Settings => match &node.value {
             Value::Table(_) => Ok(()),
             _ => Err(format!("must be a section of keys, [{}] or {{ ... }}", node.path)),
         },
@@ -76,6 +76,34 @@ fn check_number(allowed: Allowed, kind: &Kind, node: &Node) -> Result<(), String
     allowed.check(number).map_err(|range| format!("must be {range}"))
 }
 
+fn require_members<T>(members: &[T]) -> Result<(), String> {
+    match members {
+        [] => Err("must not be empty".to_owned()),
+        _ => Ok(()),
+    }
+}
+
+fn check_texts(texts: &[String]) -> Result<(), String> {
+    require_members(texts)?;
+    match texts.iter().any(|text| text.trim().is_empty()) {
+        true => Err("none may be empty".to_owned()),
+        false => Ok(()),
+    }
+}
+
+fn check_counts(counts: &[u64], [least, most]: [u64; 2]) -> Result<(), String> {
+    require_members(counts)?;
+    match counts.iter().all(|count| (least..=most).contains(count)) {
+        true => Ok(()),
+        false => Err(format!("each must be between {least} and {most}")),
+    }
+}
+
+fn check_vectors(of: &Kind, node: &Node) -> Result<(), String> {
+    require_members(node.items())?;
+    node.items().iter().try_for_each(|item| check(of, item)).map_err(|must| format!("each {must}"))
+}
+
 fn check_numbers(
     allowed: Allowed,
     length: Option<usize>,
@@ -84,9 +112,7 @@ fn check_numbers(
 ) -> Result<(), String> {
     let numbers = node.as_list(Node::as_number);
     let numbers = numbers.ok_or_else(|| format!("must be {}", description(kind)))?;
-    if numbers.is_empty() {
-        return Err("must not be empty".to_owned());
-    }
+    require_members(&numbers)?;
     if length.is_some_and(|length| length != numbers.len()) {
         return Err(format!("must be {}", description(kind)));
     }
@@ -103,9 +129,7 @@ pub(super) fn words_of(node: &Node) -> Option<Vec<String>> {
 }
 
 fn check_words(words: &[Word], given: &[String]) -> Result<(), String> {
-    if given.is_empty() {
-        return Err("must not be empty".to_owned());
-    }
+    require_members(given)?;
     for (number, word) in given.iter().enumerate() {
         check_word(words, word).map_err(|must| format!("each {must}"))?;
         if given[..number].contains(word) {
@@ -126,10 +150,14 @@ fn check_word(words: &[Word], given: &str) -> Result<(), String> {
 
 /// The intended one of several kinds, as far as the written value shows.
 fn chosen<'a>(kinds: &'a [Kind], node: &Node) -> Option<&'a Kind> {
+    let is_list = |item: &Node| matches!(item.value, Value::List(_));
     kinds.iter().find(|kind| match (&node.value, kind) {
         (Value::Table(_), Kind::Table(_)) => true,
-        (Value::List(_), Kind::List(_)) => true,
-        (Value::Integer(_) | Value::Number(_), Kind::Number(_)) => true,
+        (Value::List(_), Kind::List(_) | Kind::CountList(..)) => true,
+        (Value::List(items), Kind::Vector(..)) => !items.iter().any(is_list),
+        (Value::List(items), Kind::Vectors(..)) => items.iter().any(is_list),
+        (Value::Integer(_) | Value::Number(_), Kind::Number(_) | Kind::Count(..)) => true,
+        (Value::Text(_), Kind::Text) => true,
         (Value::Text(text), Kind::Word(words)) => {
             let names: Vec<&str> = words.iter().map(|word| word.name).collect();
             nearest(text, &names).is_some()
@@ -151,12 +179,21 @@ pub(super) fn description(kind: &Kind) -> String {
         Kind::Counts(least, most) => {
             format!("a list of 3 whole numbers, each between {least} and {most}")
         }
+        Kind::CountList(0, most) if *most == u64::MAX - 1 => {
+            "a list of whole numbers, not negative".to_owned()
+        }
+        Kind::CountList(least, most) => {
+            format!("a list of whole numbers, each between {least} and {most}")
+        }
+        Kind::Vectors(_, length) => format!("a list of lists of {length} numbers"),
         Kind::Vector(Allowed::FINITE, length) => format!("a list of {length} numbers"),
         Kind::Vector(allowed, length) => format!("a list of {length} numbers, each {allowed}"),
         Kind::List(allowed) => format!("a list of numbers, each {allowed}"),
         Kind::Word(words) => listed(words),
         Kind::Texts => "a list of texts in quotes".to_owned(),
         Kind::Words(words) => format!("a list of {}", listed(words)),
+        Kind::Values => "a list of values".to_owned(),
+        Kind::Settings => "keys of the case, each with a value".to_owned(),
         Kind::Table(keys) if keys.len() <= 2 => {
             let entries: Vec<String> = keys.iter().map(placeholder).collect();
             format!("{{ {} }}", entries.join(", "))
@@ -187,4 +224,51 @@ fn placeholder(key: &Key) -> String {
 fn listed(words: &[Word]) -> String {
     let list: Vec<String> = words.iter().map(|word| format!("{:?}", word.name)).collect();
     list.join(" or ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::errors::Problems;
+    use super::*;
+
+    /// What is wrong with a value.
+    fn wrong(kind: &Kind, value: &str) -> Option<String> {
+        let root = Node::parse(&format!("key = {value}"), &Problems::default()).unwrap();
+        check(kind, root.get("key").unwrap()).err()
+    }
+
+    #[test]
+    fn what_is_written_chooses_between_kinds() {
+        const COUNTS: Kind = Kind::Either(&[Kind::Count(1, 9), Kind::CountList(0, u64::MAX - 1)]);
+        const PAIRS: Kind =
+            Kind::Either(&[Kind::Vector(Allowed::FINITE, 2), Kind::Vectors(Allowed::FINITE, 2)]);
+        const NUMBER_OR_TEXT: Kind = Kind::Either(&[Kind::Number(Allowed::POSITIVE), Kind::Text]);
+        for (kind, value, expected) in [
+            (COUNTS, "9", None),
+            (COUNTS, "[0, 12]", None),
+            (COUNTS, "10", Some("must be between 1 and 9")),
+            (COUNTS, "[]", Some("must not be empty")),
+            (COUNTS, "[-1]", Some("must be a list of whole numbers, not negative")),
+            (
+                COUNTS,
+                "true",
+                Some(
+                    "must be a whole number between 1 and 9 or a list of whole numbers, not negative",
+                ),
+            ),
+            (PAIRS, "[1, 2.5]", None),
+            (PAIRS, "[[1, 2], [3, 4]]", None),
+            (PAIRS, "[1]", Some("must be a list of 2 numbers")),
+            (PAIRS, "[[1, 2], [3]]", Some("each must be a list of 2 numbers")),
+            (NUMBER_OR_TEXT, "\"frozen\"", None),
+            (NUMBER_OR_TEXT, "-1", Some("must be above 0")),
+            (Kind::Texts, "[\"a\", \" \"]", Some("none may be empty")),
+            (Kind::Values, "[1, \"x\", [2]]", None),
+            (Kind::Values, "[]", Some("must not be empty")),
+            (Kind::Settings, "{ a.b = 1 }", None),
+            (Kind::Settings, "1", Some("must be a section of keys, [key] or { ... }")),
+        ] {
+            assert_eq!(wrong(&kind, value).as_deref(), expected, "{kind:?}: {value}");
+        }
+    }
 }

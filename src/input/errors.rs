@@ -1,4 +1,4 @@
-//! Errors in a case file, each with its place, key, value and the allowed values.
+//! What is wrong with a file: every error with its place, key, value and what is allowed.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -19,7 +19,7 @@ pub enum SourcePlace {
 
 /// One error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CaseError {
+pub struct InputError {
     /// Its place.
     pub place: SourcePlace,
     /// Path of the key, for example `contact.restitution`; empty if the error does not belong to a key.
@@ -30,16 +30,39 @@ pub struct CaseError {
     pub message: String,
 }
 
-/// All errors of a case file, in the order of its lines; at least one.
+impl InputError {
+    /// The error without the ends of a long value and a long message.
+    pub(super) fn shortened(self) -> Self {
+        let value = self.value.map(|value| shortened(&value, LONGEST_VALUE));
+        let message = shortened(&self.message, LONGEST_MESSAGE);
+        Self { value, message, ..self }
+    }
+}
+
+/// All errors of a file, in the order of its lines; at least one.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub struct CaseErrors {
+pub struct InputErrors {
     /// Name of the file, as given by the user.
     pub file_name: String,
     /// The errors.
-    pub errors: Vec<CaseError>,
+    pub errors: Vec<InputError>,
 }
 
-impl fmt::Display for CaseErrors {
+impl InputErrors {
+    /// The first errors, and one that counts the others.
+    pub fn first(mut self, most: usize) -> Self {
+        let more = self.errors.len().saturating_sub(most);
+        if more > 0 {
+            self.errors.truncate(most);
+            let message = format!("and {more} more");
+            let (place, key, value) = (SourcePlace::File, String::new(), None);
+            self.errors.push(InputError { place, key, value, message });
+        }
+        self
+    }
+}
+
+impl fmt::Display for InputErrors {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, error) in self.errors.iter().enumerate() {
             if index > 0 {
@@ -64,12 +87,15 @@ impl fmt::Display for CaseErrors {
     }
 }
 
-/// The longest value or message that is printed, in characters.
-const LONGEST: usize = 400;
+/// The longest value that is printed, in characters.
+const LONGEST_VALUE: usize = 400;
+
+/// The longest message, in characters: it may list names that are known, or hold the errors of another file.
+const LONGEST_MESSAGE: usize = 2000;
 
 /// A text, or its beginning if it is long.
-pub(super) fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST) {
+fn shortened(text: &str, longest: usize) -> String {
+    match text.char_indices().nth(longest) {
         Some((end, _)) => format!("{} ... ({} bytes in all)", &text[..end], text.len()),
         None => text.to_owned(),
     }
@@ -77,49 +103,59 @@ pub(super) fn shortened(text: &str) -> String {
 
 /// Collects errors, and notes on values that the file leaves to a default.
 #[derive(Debug, Default)]
-pub(super) struct Problems {
-    errors: RefCell<Vec<CaseError>>,
+pub struct Problems {
+    errors: RefCell<Vec<InputError>>,
     notes: RefCell<Vec<String>>,
 }
 
 impl Problems {
-    /// Adds an error, but only once: stages repeat the keys that they inherit from the base.
-    pub(super) fn add(&self, mut error: CaseError) {
-        error.value = error.value.map(|value| shortened(&value));
-        error.message = shortened(&error.message);
+    /// Adds an error, once: stages repeat what they take over from the base.
+    pub fn add(&self, error: InputError) {
+        let error = error.shortened();
         let mut errors = self.errors.borrow_mut();
         if !errors.contains(&error) {
             errors.push(error);
         }
     }
 
-    /// Adds an error that does not belong to a key.
-    pub(super) fn add_at(&self, place: SourcePlace, message: impl Into<String>) {
-        self.add(CaseError { place, key: String::new(), value: None, message: message.into() });
+    /// Adds an error that belongs to no key.
+    pub fn add_at(&self, place: SourcePlace, message: impl Into<String>) {
+        self.add(InputError { place, key: String::new(), value: None, message: message.into() });
     }
 
-    /// Adds a note, but only once.
-    pub(super) fn note(&self, note: String) {
+    /// Adds a note, once.
+    pub fn note(&self, note: String) {
         let mut notes = self.notes.borrow_mut();
         if !notes.contains(&note) {
             notes.push(note);
         }
     }
 
-    /// Whether there are no errors so far.
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether nothing is wrong so far.
+    pub fn is_empty(&self) -> bool {
         self.errors.borrow().is_empty()
     }
 
     /// The notes so far.
-    pub(super) fn notes(&self) -> Vec<String> {
+    pub fn notes(&self) -> Vec<String> {
         self.notes.borrow().clone()
     }
 
+    /// The value if nothing is wrong, else the errors.
+    ///
+    /// # Errors
+    /// If there are any, or if there is no value.
+    pub fn result<T>(self, file_name: &str, value: Option<T>) -> Result<T, InputErrors> {
+        match value {
+            Some(value) if self.is_empty() => Ok(value),
+            _ => Err(self.into_errors(file_name)),
+        }
+    }
+
     /// The errors in the order of their places.
-    pub(super) fn into_errors(self, file_name: &str) -> CaseErrors {
+    pub fn into_errors(self, file_name: &str) -> InputErrors {
         let mut errors = self.errors.into_inner();
         errors.sort_by(|a, b| a.place.cmp(&b.place));
-        CaseErrors { file_name: file_name.to_owned(), errors }
+        InputErrors { file_name: file_name.to_owned(), errors }
     }
 }

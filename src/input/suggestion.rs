@@ -1,4 +1,4 @@
-//! Texts that users write: what may have been meant by a word that nobody knows, and bytes that are no text.
+//! What may have been meant by a word that nobody knows.
 
 /// The candidate that differs least from a word, if any is near.
 pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
@@ -9,13 +9,10 @@ pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     (is_close || begins(best) || strsim::jaro_winkler(word, best) > 0.88).then_some(best)
 }
 
-/// What is wrong with a file of other bytes.
-pub const NOT_UTF8: &str = "is not a text in UTF-8";
-
-/// The text of a file; an error is the first line, from 1, that is no text.
-pub fn utf8_text(bytes: Vec<u8>) -> Result<String, usize> {
-    String::from_utf8(bytes).map_err(|error| {
-        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        good.iter().filter(|&&byte| byte == b'\n').count() + 1
-    })
+/// What to write instead of an unknown name: the one that may have been meant, or the list of all.
+pub fn advice(unknown: &str, known: &[&str]) -> String {
+    match nearest(unknown, known) {
+        Some(near) => format!("did you mean {near}?"),
+        None => format!("known here are {}", known.join(", ")),
+    }
 }

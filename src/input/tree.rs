@@ -1,26 +1,30 @@
-//! The case file as a tree of values with their lines and paths.
+//! A file as a tree of values that know their line and their path.
 
-use super::errors::{CaseError, Problems, SourcePlace};
+use super::errors::{InputError, InputErrors, Problems, SourcePlace};
 use std::fmt;
+use std::ops::Range;
+use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// A value and its place.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
-    /// The value.
-    pub(super) value: Value,
-    /// Place of its key.
-    pub(super) place: SourcePlace,
+pub struct Node {
+    /// What it is.
+    pub value: Value,
+    /// Where its key stands.
+    pub place: SourcePlace,
     /// Path of keys; members of a list by number from 1, as in `stage.2.gas.viscosity`.
-    pub(super) path: String,
-    /// Number of the stage that sets it; 0 also for the base of the file.
-    pub(super) stage: usize,
+    pub path: String,
+    /// Where the value itself stands in the text that was parsed, in bytes.
+    pub span: Range<usize>,
+    /// Number of the stage that sets it; 0 for the base of the file too.
+    pub stage: usize,
 }
 
-/// Kinds of values in a case file.
+/// What may stand in a file.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub enum Value {
     /// A text in quotes, or a date, which no key accepts.
     Text(String),
     /// A whole number.
@@ -36,12 +40,38 @@ pub(super) enum Value {
 }
 
 /// Line and column, from 1, of a position in a text.
-pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     let before = &text.as_bytes()[..offset.min(text.len())];
     let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
     let start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
     let column = String::from_utf8_lossy(&before[start..]).chars().count() + 1;
     (line, column)
+}
+
+/// What is wrong with a file of other bytes.
+pub const NOT_UTF8: &str = "is not a text in UTF-8";
+
+/// The text of a file; an error is the first line, from 1, that is no text.
+pub fn utf8_text(bytes: Vec<u8>) -> Result<String, usize> {
+    String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        good.iter().filter(|&&byte| byte == b'\n').count() + 1
+    })
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// If it cannot be read, or is no text.
+pub fn read_text(path: &Path) -> Result<String, InputErrors> {
+    let error = |place, reason: String| {
+        let problems = Problems::default();
+        problems.add_at(place, reason);
+        problems.into_errors(&path.display().to_string())
+    };
+    let bytes = std::fs::read(path)
+        .map_err(|reason| error(SourcePlace::File, format!("cannot be read: {reason}")))?;
+    utf8_text(bytes).map_err(|line| error(SourcePlace::Line(line), NOT_UTF8.to_owned()))
 }
 
 /// The line, from 1, in which most brackets are open or most dots join a key.
@@ -65,8 +95,8 @@ fn most_nested_line(text: &str) -> usize {
 }
 
 impl Node {
-    /// Parses the tree of a text; all syntax errors are added to `problems`.
-    pub(super) fn parse(text: &str, problems: &Problems) -> Option<Self> {
+    /// The tree of a text; errors of syntax go to `problems`, all of them.
+    pub fn parse(text: &str, problems: &Problems) -> Option<Self> {
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
             let place = match error.span() {
@@ -84,35 +114,36 @@ impl Node {
         }
         let lines = Lines::of(text);
         let value = table(root.get_ref(), "", &lines);
-        Some(Self { value, place: SourcePlace::File, path: String::new(), stage: 0 })
+        Some(Self { value, span: 0..text.len(), ..Self::EMPTY })
     }
 
     /// A table without entries, for a section that the file leaves out.
-    pub(super) const EMPTY: Self = Self {
+    pub const EMPTY: Self = Self {
         value: Value::Table(Vec::new()),
         place: SourcePlace::File,
         path: String::new(),
+        span: 0..0,
         stage: 0,
     };
 
     /// A member of a table.
-    pub(super) fn get(&self, key: &str) -> Option<&Node> {
+    pub fn get(&self, key: &str) -> Option<&Node> {
         match &self.value {
             Value::Table(entries) => entries.iter().find(|(name, _)| name == key).map(|(_, n)| n),
             _ => None,
         }
     }
 
-    /// The text, if the value is one.
-    pub(super) fn as_text(&self) -> Option<&str> {
+    /// The text, if it is one.
+    pub fn as_text(&self) -> Option<&str> {
         match &self.value {
             Value::Text(text) => Some(text),
             _ => None,
         }
     }
 
-    /// The number, if the value is one.
-    pub(super) fn as_number(&self) -> Option<f64> {
+    /// The number, if it is one.
+    pub fn as_number(&self) -> Option<f64> {
         match &self.value {
             Value::Integer(number) => Some(*number as f64),
             Value::Number(number) => Some(*number),
@@ -120,53 +151,66 @@ impl Node {
         }
     }
 
-    /// The whole number, if the value is one and not negative.
-    pub(super) fn as_count(&self) -> Option<u64> {
+    /// The whole number, if it is one and not negative.
+    pub fn as_count(&self) -> Option<u64> {
         match &self.value {
             Value::Integer(number) => u64::try_from(*number).ok(),
             _ => None,
         }
     }
 
-    /// True or false, if the value is one of them.
-    pub(super) fn as_boolean(&self) -> Option<bool> {
+    /// True or false, if it is one of them.
+    pub fn as_boolean(&self) -> Option<bool> {
         match &self.value {
             Value::Boolean(truth) => Some(*truth),
             _ => None,
         }
     }
 
-    /// The members of a list, if the value is a list and each member is of a given kind.
-    pub(super) fn as_list<T>(&self, member: impl Fn(&Node) -> Option<T>) -> Option<Vec<T>> {
+    /// The members of a list, if it is one and each of them is of a kind.
+    pub fn as_list<T>(&self, member: impl Fn(&Node) -> Option<T>) -> Option<Vec<T>> {
         match &self.value {
             Value::List(items) => items.iter().map(member).collect(),
             _ => None,
         }
     }
 
-    /// The members of a table; empty if the value is not a table.
-    pub(super) fn entries(&self) -> &[(String, Node)] {
+    /// The members of a table; none if it is none.
+    pub fn entries(&self) -> &[(String, Node)] {
         match &self.value {
             Value::Table(entries) => entries,
             _ => &[],
         }
     }
 
-    /// The members of a list; empty if the value is not a list.
-    pub(super) fn items(&self) -> &[Node] {
+    /// The members of a list; none if it is none.
+    pub fn items(&self) -> &[Node] {
         match &self.value {
             Value::List(items) => items,
             _ => &[],
         }
     }
 
+    /// The value as it is written in the text that was parsed.
+    pub fn written<'t>(&self, text: &'t str) -> &'t str {
+        text.get(self.span.clone()).unwrap_or_default()
+    }
+
+    /// The line of its key, from 1; 0 if it stands at none.
+    pub fn line(&self) -> usize {
+        match self.place {
+            SourcePlace::Line(line) | SourcePlace::Column(line, _) => line,
+            SourcePlace::File | SourcePlace::Override(_) => 0,
+        }
+    }
+
     /// An error of this value.
-    pub(super) fn error(&self, message: impl Into<String>) -> CaseError {
+    pub fn error(&self, message: impl Into<String>) -> InputError {
         let value = match &self.value {
             Value::Table(_) => None,
             _ => Some(self.to_string()),
         };
-        CaseError {
+        InputError {
             place: self.place.clone(),
             key: self.path.clone(),
             value,
@@ -175,7 +219,7 @@ impl Node {
     }
 
     /// Applies a function to this node and to all below.
-    pub(super) fn for_each(&mut self, function: &mut dyn FnMut(&mut Node)) {
+    pub fn for_each(&mut self, function: &mut dyn FnMut(&mut Node)) {
         function(self);
         match &mut self.value {
             Value::List(items) => items.iter_mut().for_each(|item| item.for_each(function)),
@@ -224,15 +268,16 @@ fn table(entries: &DeTable<'_>, path: &str, lines: &Lines) -> Value {
     let nodes = entries.iter().map(|(key, value)| {
         let name = key.get_ref().to_string();
         let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-        let place = lines.line_of(key.span().start);
-        (name, node(value, path, place, lines))
+        let start = key.span().start;
+        (start, (name, node(value, path, lines.line_of(start), lines)))
     });
-    let mut nodes: Vec<(String, Node)> = nodes.collect();
-    nodes.sort_by(|(_, a), (_, b)| a.place.cmp(&b.place));
-    Value::Table(nodes)
+    let mut nodes: Vec<(usize, (String, Node))> = nodes.collect();
+    nodes.sort_by_key(|(start, _)| *start);
+    Value::Table(nodes.into_iter().map(|(_, entry)| entry).collect())
 }
 
 fn node(value: &Spanned<DeValue<'_>>, path: String, place: SourcePlace, lines: &Lines) -> Node {
+    let span = value.span();
     let value = match value.get_ref() {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
@@ -251,7 +296,7 @@ fn node(value: &Spanned<DeValue<'_>>, path: String, place: SourcePlace, lines: &
             Value::List(items.collect())
         }
     };
-    Node { value, place, path, stage: 0 }
+    Node { value, place, path, span, stage: 0 }
 }
 
 #[cfg(test)]

@@ -1,17 +1,92 @@
-//! Documentation of the tables of the case file, for people and for editors: the manual, a list in the terminal, a JSON
-//! schema.
+//! The tables of a kind of file for people and for editors: the manual, a list in the terminal, a JSON schema.
 
 mod json;
 mod markdown;
 mod terminal;
 
-pub use json::json_schema;
-pub use markdown::manual;
-pub use terminal::{UnknownSection, terminal};
+pub use terminal::UnknownSection;
 
 use super::allowed_values::description;
-use super::schema::{CHAPTERS, Chapter};
-use crate::schema::{Allowed, Key, Kind, Required, Word};
+use crate::schema::{Allowed, Key, Kind, Required, Word, every_key};
+
+/// The keys of one kind of file, and the text of its manual around them.
+#[derive(Clone, Copy, Debug)]
+pub struct FileKeys {
+    /// What the file is, as the schema for editors calls it.
+    pub title: &'static str,
+    /// The keys at the top of the file.
+    pub root: &'static [Key],
+    /// All sections, in the order of the manual.
+    pub chapters: &'static [Chapter],
+    /// How the manual begins, in Markdown.
+    pub head: &'static str,
+}
+
+/// One section as the manual shows it.
+#[derive(Debug)]
+pub struct Chapter {
+    /// Path of the section; empty for the top level of the file.
+    pub path: &'static str,
+    /// What the section is about, as a part of its heading; empty if its name says it.
+    pub title: &'static str,
+    /// Its keys.
+    pub keys: &'static [Key],
+    /// Text before the table of keys.
+    pub before: &'static str,
+    /// Text after it.
+    pub after: &'static str,
+}
+
+impl FileKeys {
+    /// The manual, in Markdown.
+    pub fn manual(&self) -> String {
+        markdown::manual(self)
+    }
+
+    /// A JSON schema for editors, as the text of a file: draft 7, which Taplo reads.
+    pub fn json_schema(&self) -> String {
+        json::json_schema(self)
+    }
+
+    /// The keys of a section, with unit, range, default and meaning; of all sections if none is named. Behind the section
+    /// may stand one of its keys, or a word that brings keys: `gas.drag`, `measure.stress`.
+    ///
+    /// # Errors
+    /// If there is no such section, key or word.
+    pub fn terminal(&self, section: Option<&str>) -> Result<String, UnknownSection> {
+        terminal::terminal(self, section)
+    }
+
+    /// The declaration of a section by its path.
+    fn declaration_of(&self, path: &str) -> Option<&'static Key> {
+        let (mut keys, mut found) = (self.root, None);
+        for name in path.split('.') {
+            let key = every_key(keys).into_iter().find(|key| key.name == name)?;
+            (keys, found) = (key.kind.keys(), Some(key));
+        }
+        found
+    }
+
+    /// Whether a key of a section is a section that the manual shows by itself.
+    fn has_chapter(&self, section: &str, key: &Key) -> bool {
+        let path = match section {
+            "" => key.name.to_owned(),
+            _ => format!("{section}.{}", key.name),
+        };
+        self.chapters.iter().any(|chapter| !chapter.path.is_empty() && chapter.path == path)
+    }
+
+    /// The tables of keys of a section, in the order in which they are shown.
+    fn groups(&self, chapter: &Chapter) -> Vec<Group> {
+        let mut found = Vec::new();
+        let own = chapter.keys.iter().filter(|key| !self.has_chapter(chapter.path, key));
+        let own: Vec<_> = own.map(|key| (key, Vec::new())).collect();
+        if !own.is_empty() {
+            add_groups(Owner::Section, own, &mut found);
+        }
+        found
+    }
+}
 
 /// The allowed values of a key, without its default.
 fn allowed(kind: &Kind) -> String {
@@ -65,13 +140,6 @@ fn absence(key: &Key) -> String {
     default.unwrap_or(needed)
 }
 
-/// Whether a key of a section is a section with its own chapter in the manual.
-fn has_chapter(section: &str, key: &Key) -> bool {
-    let path =
-        if section.is_empty() { key.name.to_owned() } else { format!("{section}.{}", key.name) };
-    CHAPTERS.iter().any(|chapter| !chapter.path.is_empty() && chapter.path == path)
-}
-
 /// A table of keys: those of a section itself, those brought by one of its words, or those of a table in braces.
 struct Group {
     /// Owner of the keys.
@@ -92,27 +160,11 @@ enum Owner {
     Tables(Vec<&'static str>),
 }
 
-/// The tables of keys of a section, in the order in which they are printed.
-fn groups(chapter: &Chapter) -> Vec<Group> {
-    let mut found = Vec::new();
-    let own = chapter.keys.iter().filter(|key| !has_chapter(chapter.path, key));
-    let own: Vec<_> = own.map(|key| (key, Vec::new())).collect();
-    if !own.is_empty() {
-        add_groups(chapter, Owner::Section, own, &mut found);
-    }
-    found
-}
-
-fn add_groups(
-    chapter: &Chapter,
-    of: Owner,
-    keys: Vec<(&'static Key, Vec<&'static str>)>,
-    found: &mut Vec<Group>,
-) {
+fn add_groups(of: Owner, keys: Vec<(&'static Key, Vec<&'static str>)>, found: &mut Vec<Group>) {
     let declared: Vec<&'static Key> = keys.iter().map(|(key, _)| *key).collect();
     found.push(Group { of, keys });
     for key in &declared {
-        add_words(chapter, key, found);
+        add_words(key, found);
     }
     let mut tables: Vec<(&'static [Key], Vec<&'static str>)> = Vec::new();
     for key in declared {
@@ -132,13 +184,13 @@ fn add_groups(
             found.iter().any(|group| matches!(&group.of, Owner::Tables(of) if *of == names));
         if !known {
             let keys = keys.iter().map(|key| (key, Vec::new())).collect();
-            add_groups(chapter, Owner::Tables(names), keys, found);
+            add_groups(Owner::Tables(names), keys, found);
         }
     }
 }
 
-/// Adds the keys brought by the words of a key: together if words share keys, otherwise word by word.
-fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
+/// The keys that words of a key bring: together if words share keys, otherwise word by word.
+fn add_words(key: &'static Key, found: &mut Vec<Group>) {
     let choices = key.kind.words();
     let mut shared: Vec<(&'static Key, Vec<&'static str>)> = Vec::new();
     for word in choices {
@@ -150,13 +202,13 @@ fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
         }
     }
     if shared.iter().any(|(_, names)| names.len() > 1) {
-        add_groups(chapter, Owner::Words { key: key.name, word: None }, shared, found);
+        add_groups(Owner::Words { key: key.name, word: None }, shared, found);
         return;
     }
     for word in choices.iter().filter(|word| !word.keys.is_empty()) {
         let of = Owner::Words { key: key.name, word: Some(word.name) };
         let keys = word.keys.iter().map(|key| (key, Vec::new())).collect();
-        add_groups(chapter, of, keys, found);
+        add_groups(of, keys, found);
     }
 }
 

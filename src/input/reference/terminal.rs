@@ -1,8 +1,7 @@
 //! Description of keys in the terminal.
 
-use super::super::schema::{CHAPTERS, Chapter};
-use super::{Explained, Group, Owner, absence, allowed, explained, groups};
-use crate::schema::text::nearest;
+use super::super::suggestion::nearest;
+use super::{Chapter, Explained, FileKeys, Group, Owner, absence, allowed, explained};
 use std::fmt::Write;
 use thiserror::Error;
 
@@ -16,32 +15,30 @@ pub struct UnknownSection {
     pub advice: String,
 }
 
-/// The keys of a section, with unit, range, default and meaning; of all sections if none is named. The section may be
-/// followed by one of its keys, or a word that brings keys: `gas.drag`, `measure.stress`.
-///
-/// # Errors
-/// If there is no such section, key or word.
-pub fn terminal(section: Option<&str>) -> Result<String, UnknownSection> {
+/// What [`FileKeys::terminal`] gives.
+pub(super) fn terminal(file: &FileKeys, section: Option<&str>) -> Result<String, UnknownSection> {
     let name = section.map(|name| name.trim_matches(['[', ']']).to_lowercase());
     let is_asked_for = |chapter: &&Chapter| match &name {
         None => true,
         Some(name) => name_of(chapter) == name,
     };
-    let mut shown: Vec<String> = CHAPTERS
-        .iter()
-        .filter(is_asked_for)
-        .map(|chapter| show(chapter, &groups(chapter)))
-        .collect();
+    let chapters = file.chapters.iter();
+    let asked_for = chapters.clone().filter(is_asked_for);
+    let mut shown: Vec<String> =
+        asked_for.map(|chapter| show(chapter, &file.groups(chapter))).collect();
     let part = name.as_deref().filter(|_| shown.is_empty()).and_then(|name| name.rsplit_once('.'));
     if let Some((section, part)) = part {
-        let chapters = CHAPTERS.iter().filter(|chapter| name_of(chapter) == section);
-        shown = chapters.filter_map(|chapter| show_part(chapter, part)).collect();
+        let of_section = chapters.clone().filter(|chapter| name_of(chapter) == section);
+        let groups = of_section.map(|chapter| (chapter, file.groups(chapter)));
+        shown = groups.filter_map(|(chapter, groups)| show_part(chapter, groups, part)).collect();
     }
     match name {
         Some(name) if shown.is_empty() => {
-            let names: Vec<String> = CHAPTERS.iter().flat_map(names_in).collect();
+            let names =
+                chapters.clone().flat_map(|chapter| names_in(chapter, &file.groups(chapter)));
+            let names: Vec<String> = names.collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            let sections: Vec<&str> = CHAPTERS.iter().map(name_of).collect();
+            let sections: Vec<&str> = chapters.map(name_of).collect();
             let advice = match nearest(&name, &names) {
                 Some(near) => format!("did you mean {near}?"),
                 None => format!("there are {}", sections.join(", ")),
@@ -61,10 +58,9 @@ fn name_of(chapter: &Chapter) -> &str {
     }
 }
 
-/// The name of a section, and those of its keys and of words that bring keys, prefixed by it.
-fn names_in(chapter: &Chapter) -> Vec<String> {
+/// A section, and its keys and the words that bring keys behind it.
+fn names_in(chapter: &Chapter, groups: &[Group]) -> Vec<String> {
     let section = name_of(chapter);
-    let groups = groups(chapter);
     let keys = groups.iter().flat_map(|group| &group.keys);
     let parts = keys.flat_map(|(key, words)| words.iter().copied().chain([key.name]));
     let mut names = vec![section.to_owned()];
@@ -72,9 +68,8 @@ fn names_in(chapter: &Chapter) -> Vec<String> {
     names
 }
 
-/// A key of a section, or the keys that a word brings; `None` if there are none.
-fn show_part(chapter: &Chapter, part: &str) -> Option<String> {
-    let mut groups = groups(chapter);
+/// A key of a section, or the keys that a word brings; none if there are none.
+fn show_part(chapter: &Chapter, mut groups: Vec<Group>, part: &str) -> Option<String> {
     // A group follows that of the key whose words bring it.
     let mut brought = Vec::new();
     for group in &mut groups {

@@ -1,45 +1,16 @@
-//! The manual of the case file, `docs/input.md`.
+//! The manual of a kind of file.
 
-use super::super::schema::{CHAPTERS, Chapter, ROOT};
-use super::{Explained, Group, Owner, absence, allowed, explained, groups};
+use super::{Chapter, Explained, FileKeys, Group, Owner, absence, allowed, explained};
 use crate::schema::{Key, Kind, Required};
 use std::fmt::Write;
 
-const HEAD: &str = "\
-# The case file
-
-<!-- Written by `talcum keys --markdown` from the tables in src/case/schema: change those. -->
-
-One TOML file describes a run. `talcum check CASE.toml` reads it and says what will run. Unknown keys are errors, and all
-errors are reported at once, each with file, line, key, value and what is allowed:
-
-    vibrated.toml:12: contact.restitution = 1.4: must be above 0 and at most 1
-
-Keys without a default are required. No default hides physics: those few that touch it are printed by `check` and at the start of a run. All numbers are in
-the coherent units that `units` names, and their magnitude is between 1e-30 and 1e30, or 0.
-
-`talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys, show their meaning and mark
-errors if the first line of the file gives the schema, by its path relative to the file or by its address (Taplo,
-and Even Better TOML in VS Code):
-
-    #:schema ../../docs/case.schema.json
-
-Outside the repository, `talcum keys --json-schema > case.schema.json` writes it beside the case.
-
-`--set key.path=value` on the command line changes a key before the file is read. Members of a list go by number, from 1,
-or by name: `--set stage.2.duration=5`, `--set stage.ramp.gas.superficial_velocity=0.1`. Texts of one word, and durations
-such as `3h50m`, need no quotes. A key takes the place of the one that it excludes (`viscosity` that of `stokes_number`),
-and a new `law`, `drag`, `rolling`, `twisting` or `kind` removes the keys that only the old one has. The file with all changes is
-kept in the results as `case.toml`.
-";
-
 /// The manual, in Markdown.
-pub fn manual() -> String {
-    let mut text = HEAD.to_owned();
-    for chapter in CHAPTERS {
-        let _ = write!(text, "\n{}\n", heading(chapter));
+pub(super) fn manual(file: &FileKeys) -> String {
+    let mut text = file.head.to_owned();
+    for chapter in file.chapters {
+        let _ = write!(text, "\n{}\n", heading(file, chapter));
         add_paragraph(&mut text, chapter.before);
-        let groups = groups(chapter);
+        let groups = file.groups(chapter);
         for (number, group) in groups.iter().enumerate() {
             add_group(&mut text, group);
             add_words(&mut text, &explained(&groups, number));
@@ -55,19 +26,19 @@ fn add_paragraph(text: &mut String, paragraph: &str) {
     }
 }
 
-fn heading(chapter: &Chapter) -> String {
+fn heading(file: &FileKeys, chapter: &Chapter) -> String {
     let Chapter { path, title, .. } = *chapter;
     if path.is_empty() {
         return format!("## {title}");
     }
     let level = "#".repeat(2 + path.matches('.').count());
-    let key = ROOT.iter().find(|key| key.name == path);
+    let key = file.declaration_of(path);
     let name = match key.map(|key| key.kind) {
         Some(Kind::Tables(_)) => format!("[[{path}]]"),
         Some(Kind::Named(_)) => format!("[{path}.NAME]"),
         _ => format!("[{path}]"),
     };
-    let is_optional = key.map_or(path == "contact.wall", |key| key.required == Required::Never);
+    let is_optional = key.is_some_and(|key| key.required == Required::Never);
     let optional = if is_optional { " (optional)" } else { "" };
     let title = if title.is_empty() { String::new() } else { format!(": {title}") };
     format!("{level} `{name}`{optional}{title}")
