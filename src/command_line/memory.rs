@@ -94,7 +94,7 @@ mod tests {
     fn machines_are_counted_once_whatever_their_ranks() {
         let alone = run_on_threads(1, free_on_all)[0].unwrap();
         let shared = run_on_threads(3, free_on_all);
-        // The free memory changes between two checks, but not by that of a whole machine.
+        // The free memory changes between two checks, but by far less than the memory of a machine.
         assert!(shared.iter().all(|free| *free == shared[0]));
         assert!((shared[0].unwrap() / alone - 1.0).abs() < 0.5);
     }

@@ -151,9 +151,9 @@ mod tests {
         assert_eq!(spring_work(&linear(1.0e4), 0.0), 0.0);
     }
 
-    /// Integral of -F over delta from the equilibrium, s^3 = 3/2, to the break of the neck, s^3 = 1/4: 8 pi gamma c^4
-    /// [2 s^7 / 3 - s^4 / 4 - 4 s^10 / 15] between the two = 37.128 (gamma^5 R*^4 / E*^2)^(1/3). Between s = 1 and the
-    /// break it is 22.516, the 7.09 of Thornton & Ning (1998) with their Gamma = 2 gamma.
+    /// Integral of -F over delta from the equilibrium, s^3 = 3/2, to the break of the neck, s^3 = 1/4:
+    /// 8 pi gamma c^4 [2 s^7 / 3 - s^4 / 4 - 4 s^10 / 15] between the two = 37.128 (gamma^5 R*^4 / E*^2)^(1/3). Between
+    /// s = 1 and the break it is 22.516, the 7.09 of Thornton & Ning (1998) with their Gamma = 2 gamma.
     #[test]
     fn jkr_scales_with_surface_energy_and_modulus() {
         let of = |modulus: f64, energy: f64| {

@@ -1,7 +1,7 @@
 //! Restriction and prolongation along one axis, with the weights of [`Interpolation`].
 //!
-//! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives (1 - t_c)
-//! r_c from its own cells and t_c r_c from the cells beside it.
+//! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives
+//! (1 - t_c) r_c from its own cells and t_c r_c from the cells next to it.
 
 use super::cell_pairs::PairRow;
 use super::interpolation::Interpolation;

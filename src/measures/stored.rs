@@ -39,7 +39,7 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Adds records of which each rank has some; their first two words order them.
+    /// Adds records that are spread over the ranks; their first two words order them.
     pub fn add_records<T: Pod>(&mut self, name: &str, records: &[T]) {
         let width = size_of::<T>() / size_of::<u64>();
         debug_assert!((2..=WIDEST).contains(&width) && size_of::<T>().is_multiple_of(8));

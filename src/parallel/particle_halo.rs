@@ -4,10 +4,10 @@
 //! other ranks evaluate, or that are found through an image of the other particle.
 //!
 //! When lists are made, ghosts are sent axis by axis: those received along one axis are sent on along the next, so that
-//! edges and corners need no messages of their own. Each ghost records where its original is. Each rank then informs
-//! the owners of those ghosts that are in a pair of its list which particles they are copies of. At a step an owner
-//! sends the velocities of such a particle once, whatever the number of its copies; the copies move by these velocities
-//! exactly as the original did, bit for bit. The forces on copies are sent back the other way.
+//! edges and corners need no messages of their own. Each ghost records where its original is. For the ghosts that are
+//! in a pair of its list, each rank then names the originals to their owners. At a step an owner sends the velocities
+//! of such a particle once, whatever the number of its copies; the copies move by these velocities exactly as the
+//! original did, bit for bit. The forces on copies are sent back the other way.
 
 mod columns;
 

@@ -6,8 +6,8 @@ pub enum Mixing {
     /// No rule: the two species have the same value, or the pair is given one of its own.
     None,
     /// Geometric mean, sqrt(a b): it applies to strengths of attraction, such as Hamaker constants (Israelachvili 2011,
-    /// section 13.9) and works of adhesion (Good and Girifalco 1960), and to coefficients, for which a value of 0 makes
-    /// that of the pair 0.
+    /// section 13.9) and works of adhesion (Good and Girifalco 1960), and to coefficients, for which the value of a
+    /// pair is 0 if either value is 0.
     Geometric,
     /// 2 a b / (a + b): springs in series, each of half the stiffness of the pair.
     Springs,

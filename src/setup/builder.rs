@@ -173,8 +173,8 @@ impl Setup {
         self
     }
 
-    /// Sets the largest component of one contact's force; by default that of an overlap of half the smallest diameter.
-    /// Forces are rounded to a fraction of about 10^-15 of it.
+    /// Sets the largest component of one contact's force; by default it is the force at an overlap of half the smallest
+    /// diameter. Forces are rounded to a fraction of about 10^-15 of it.
     #[must_use]
     pub fn force_limit(mut self, force: f64) -> Self {
         self.force_limit = Some(force);
@@ -215,8 +215,8 @@ impl Setup {
         self.start(RankGrid([1, 1, 1]), &OneRank)
     }
 
-    /// Continues the run of which a snapshot was taken, on this rank of any grid of ranks; or starts another run from
-    /// its particles, with the physics of this setup. Collective.
+    /// Continues a run from its snapshot, on this rank of any grid of ranks; or starts another run from the particles
+    /// of the snapshot, with the physics of this setup. Collective.
     ///
     /// # Errors
     /// The errors of [`Setup::start`].

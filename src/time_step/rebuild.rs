@@ -66,8 +66,8 @@ fn choose_skin(state: &State, domain: &Domain, models: &Models, work: &mut Works
     work.list_range.skin = displacement.map_or(work.skin.narrowest(), cheapest);
 }
 
-/// Largest width of a ghost layer of which two fit into the narrowest subdomain. In a periodic box a particle then has
-/// only one image, and ranks with small subdomains have no more ghosts than particles.
+/// Largest width of a ghost layer such that two layers fit into the narrowest subdomain. In a periodic box a particle
+/// then has only one image, and ranks with small subdomains have no more ghosts than particles.
 fn room_for_ghosts(decomposition: &Decomposition, bounds: &Bounds) -> f64 {
     let has_ghosts = |axis: &usize| bounds.is_periodic(*axis) || decomposition.grid().0[*axis] > 1;
     let narrowest = (0..3).filter(has_ghosts).map(|axis| decomposition.narrowest(axis));

@@ -109,8 +109,8 @@ pub struct Crossing {
     pub error: f64,
 }
 
-/// The smallest size above which breakage is faster than growth, between the middles of two bins of which the first
-/// grows.
+/// The smallest size above which breakage is faster than growth. It lies between the middles of two bins, and growth is
+/// faster in the first of them.
 ///
 /// `choose` selects the two rates (growth, breakage), of events or of members. The logarithm of growth / breakage is
 /// assumed to be linear in the logarithm of the size between the geometric middles of two bins; the result is its zero,

@@ -40,7 +40,7 @@ pub struct CouplingModel {
     pub agglomerates: Option<AgglomerateDrag>,
     /// Full width at half maximum of the filter; 0 for none.
     pub filter_width: f64,
-    /// Whether drag is that of the gas as it would be without the particle itself.
+    /// Whether drag laws use the gas as it would be without the particle itself.
     pub undisturbed: bool,
     /// Refinement, along each axis, of the cells whose voidage drag laws use; `None` if they use that of the gas's own
     /// cells, filtered.

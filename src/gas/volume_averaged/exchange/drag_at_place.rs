@@ -17,7 +17,7 @@ pub(super) struct DragAtPlace<'a> {
     pub(super) mean_diameter: Option<&'a MeanDiameter>,
     /// Set if the voidage is that of finer cells.
     pub(super) local_voidage: Option<&'a LocalVoidage>,
-    /// Set if drag is that of the undisturbed gas.
+    /// Set if drag laws use the gas as it would be without the particle itself.
     pub(super) own_disturbance: Option<&'a OwnDisturbance>,
 }
 
