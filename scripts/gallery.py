@@ -26,8 +26,8 @@ CASES = ROOT / "cases/gallery"
 PAGE = ROOT / "docs/gallery.md"
 HEAD = """# Gallery
 
-Complete cases that run in minutes. Each is a file of `cases/gallery`; `talcum new NAME` writes it into your folder. Times are those of
-one core of the machine that made this page, by `scripts/gallery.py`.
+These are complete cases that run in minutes. Each is a file of `cases/gallery`; `talcum new NAME` writes it into your folder. Times were
+measured on one core of the machine that made this page with `scripts/gallery.py`.
 """
 
 
