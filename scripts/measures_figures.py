@@ -1,4 +1,4 @@
-"""Figures of what `[measure.NAME]`, `talcum analyse` and the ledger of energies leave; measures_gallery.py makes the runs."""
+"""Draws figures of the results of `[measure.NAME]`, `talcum analyse` and the ledger of energies; measures_gallery.py makes the runs."""
 
 from __future__ import annotations
 
