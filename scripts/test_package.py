@@ -122,7 +122,7 @@ class TestRun(unittest.TestCase):
         self.assertEqual(list(self.bed.times), [0.0, 1.0, 2.0, 3.0, 4.0])
         self.assertEqual(self.bed.particles(2.8).time, 3.0)
         self.assertEqual(self.bed.particles(3.0 + 1e-13, exact=True).time, 3.0)
-        with self.assertRaisesRegex(talcum.ResultsError, "nothing of time 2.8; the nearest is 3"):
+        with self.assertRaisesRegex(talcum.ResultsError, "nothing at time 2.8; the nearest is 3"):
             self.bed.particles(2.8, exact=True)
 
     def test_contacts_of_measure_and_checkpoint_are_the_same_pairs(self) -> None:
@@ -215,7 +215,7 @@ class TestRun(unittest.TestCase):
         self.assertEqual((state.gas.rows, state.particles.units["mass"]), (0, "rho_s d^3"))
         self.assertEqual(state.attributes["title"], self.bed.checkpoint().attributes["title"])
         self.assertEqual(self.bed.checkpoint().digest, self.bed.digest)
-        with self.assertRaisesRegex(talcum.ResultsError, "nothing of time 2.2; the nearest is 2"):
+        with self.assertRaisesRegex(talcum.ResultsError, "nothing at time 2.2; the nearest is 2"):
             self.bed.checkpoint(2.2, exact=True)
         with self.assertRaisesRegex(talcum.ResultsError, "nowhere.h5: there is no such file"):
             talcum.read_checkpoint("nowhere.h5")
@@ -317,7 +317,7 @@ class TestFields(unittest.TestCase):
         self.assertEqual(self.bed.gas().time, 0.02)
         with self.assertRaisesRegex(talcum.ResultsError, "has no field 'presure'; it has pressure, "):
             gas["presure"]
-        with self.assertRaisesRegex(talcum.ResultsError, "nothing of time 0.016"):
+        with self.assertRaisesRegex(talcum.ResultsError, "nothing at time 0.016"):
             self.bed.gas(0.016, exact=True)
 
     def test_tensors_of_a_measure(self) -> None:
@@ -474,7 +474,7 @@ class TestFiles(ScriptTest):
             talcum.open(self.folder).particles()
         with h5py.File(self.folder / "particles.vtkhdf", "w") as file:
             file["other"] = 1
-        with mock.patch("talcum.files.PAUSE", 0.0), self.assertRaisesRegex(talcum.ResultsError, "no such file of"):
+        with mock.patch("talcum.files.PAUSE", 0.0), self.assertRaisesRegex(talcum.ResultsError, "not such a file of"):
             talcum.open(self.folder).particles()
 
     def test_a_file_in_the_middle_of_a_write_is_tried_again(self) -> None:
