@@ -43,7 +43,7 @@ class Run:
         return ROOT / "cases" / self.case
 
     def make(self, folder: Path) -> None:
-        """Runs it anew."""
+        """Runs it again."""
         talcum.run(self.path, set=self.values, output=folder, force=True)
 
 
@@ -54,7 +54,7 @@ class FirstStudy:
     seeds: int
 
     def make(self, folder: Path) -> None:
-        """Runs it anew."""
+        """Runs it again."""
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         text = (ROOT / "tests/program/study/study.toml").read_text(encoding="utf-8")

@@ -113,7 +113,7 @@ def optional(library: str, purpose: str) -> Any:
 
 
 def rows_between(time: Array, start: float | None, end: float | None) -> Array:
-    """Marks the rows with start <= time <= end; an error if there are none."""
+    """Marks the rows with start <= time <= end; raises an error if there are none."""
     rows = np.ones(len(time), dtype=bool)
     if start is not None:
         rows &= time >= start

@@ -1,4 +1,4 @@
-"""Tests of the notebooks: each is executed anew and gives the text that is stored in it; and of what compares them."""
+"""Tests of the notebooks, each of which is executed again and gives its stored text; and tests of the comparison."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def copies(ranks: int) -> float:
 
 
 def processor(rounds: int, first: bool) -> str:
-    """A table of what a rank computes in a step, beside its share of what one rank computes alone."""
+    """A table of the time that a rank computes in a step, compared with its share of the time of a single rank."""
     if not shutil.which("perf"):
         raise BenchmarkError("perf is not installed: apt-get install linux-perf")
     start = state(BED.state, execute, PROGRAM)

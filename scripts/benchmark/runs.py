@@ -1,4 +1,4 @@
-"""Starts a program on chosen cores and reads rate, stages and memory off what it says."""
+"""Starts a program on chosen cores, and reads rate, stages and memory from its output."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ POLL = 0.1
 
 
 class BenchmarkError(Exception):
-    """What went wrong, in words for the user."""
+    """An error, with a message for the user."""
 
 
 @dataclass

@@ -147,7 +147,7 @@ def kills_at_calls(context: Context) -> dict[str, int]:
     def interrupt(context: Context, folder: Path, arguments: list[str]) -> tuple[str, bool]:
         call, ended = at_call(context, folder, arguments, 0, ["write", "sync", "rename", "cut"])
         if ended.code == 0:
-            return "runs that did not come to the call" + NOT_COUNTED, True
+            return "runs that did not reach the call" + NOT_COUNTED, True
         return f"kills at {call}", False
     return campaign(context, interrupt)
 
@@ -158,7 +158,7 @@ def faults(context: Context) -> dict[str, int]:
         name, error = context.random.choice(list(ERRORS.items()))
         call, ended = at_call(context, folder, arguments, error, CALLS)
         if ended.code == 0:
-            return "runs that did not come to the call, or went on after it" + NOT_COUNTED, True
+            return "runs that did not reach the call, or continued after it" + NOT_COUNTED, True
         return f"{call}: {name}, an error on all ranks", False
     return campaign(context, interrupt)
 

@@ -1,10 +1,10 @@
-"""Sets the flat bed of van Wachem et al. (2001) beside its experiment: pressure, voidage and height over time, and the spectrum.
+"""Compares the flat bed of van Wachem et al. (2001) with its experiment: pressure, voidage and height over time, and the spectrum.
 
     talcum run cases/experiments/van-wachem2001.toml
     scripts/report van-wachem2001 results/van-wachem2001
 
-What was measured is in cases/experiments/measured. With --keep the signals of the run go to a small table as well, which this
-script reads in place of a run.
+The measured values are in cases/experiments/measured. With --keep the signals of the run are also written to a small table, which
+this script reads in place of a run.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def reach(file: Path) -> Signal:
 
 
 def between(signal: Signal, start: float, end: float) -> Signal:
-    """What comes between two times."""
+    """The part between two times."""
     rows = (signal.time >= start - 1e-9) & (signal.time <= end + 1e-9)
     if np.count_nonzero(rows) < 2:
         raise ResultsError(f"the run has not reached {start:g} s, from which it is compared")
@@ -232,7 +232,7 @@ def spectrum_of(pressure: Signal, segment: float) -> Spectrum:
 
 
 def measured_spectrum() -> Spectrum:
-    """The experiment's, as printed but for its units."""
+    """The experiment's spectrum, as printed except for its units."""
     found = columns(MEASURED / "van-wachem2001-spectrum.csv", ["density"], along="frequency")["density"]
     return Spectrum(found.time, found.values / integral(found.time, found.values))
 

@@ -63,7 +63,7 @@ def depth(results: Path) -> Section | None:
         return None
     paper = "2 to 3 for the whole bed; agglomerates outlive 0.1 s"
     statements = [Statement(f"{row['count']} particles", paper, in_words(points, row), None) for row in points.rows]
-    text = ("The paper does not tell its number of particles. Beds 1.05 and 4.2 mm deep at a packing of 0.5, in a box of the paper's height; t_0 = 0.3 s; "
+    text = ("The paper does not give its number of particles. Beds 1.05 and 4.2 mm deep at a packing of 0.5, in a box of the paper's height; t_0 = 0.3 s; "
             "C_N of the bed is the mean from 0.2 s on.")  # fmt: skip
     return Section("The number of particles", text, statements, [drawn(points, [f"{row['count']}" for row in points.rows])],
                    [made_by("liu2016", "depth", points)])  # fmt: skip

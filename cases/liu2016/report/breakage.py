@@ -71,8 +71,8 @@ def breakage(results: Path) -> Section | None:
     curves(right, found, "lag", "diameter", "d_agg [mm], weighted by mass", 1.0e3, reference_time=REFERENCE)
     left.set_yscale("log")
     text = (
-        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (looked at every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s). "
-        "Critical times are those of runs with looks every 2 ms, from 0.3 and 0.4 s on. Agglomerates of t_0 = 0.3 s last for a shorter time than those of "
+        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (sampled every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s). "
+        "Critical times come from runs sampled every 2 ms, from 0.3 and 0.4 s on. Agglomerates of t_0 = 0.3 s last for a shorter time than those of "
         "0.6 and 0.9 s."
     )
     made = [*sources(results), *sources(results, BREAKAGE)]

@@ -78,7 +78,7 @@ def box(results: Path) -> Section | None:
     if not found:
         return None
     text = (
-        f"{FOLLOWED} in the paper's box of 4 x 0.8 x 20 mm for 0.6 s, beside the small one. One seed and one window, of t_0 = 0.3 s, in which agglomerates "
+        f"{FOLLOWED} in the paper's box of 4 x 0.8 x 20 mm for 0.6 s, compared with the small one. One seed and one window, of t_0 = 0.3 s, in which agglomerates "
         "of the small box are short-lived too (Fig. 8). "
         "With eight times as many particles it has eight times as many agglomerates if the box does not matter."
     )

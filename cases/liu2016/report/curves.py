@@ -118,7 +118,7 @@ def intervals(time: Array, length: float) -> Iterator[tuple[float, Array]]:
 
 
 def in_time(run: Run) -> Rows:
-    """Means of a bed over intervals of 50 ms: how it goes on moving or comes to rest (companion paper)."""
+    """Means of a bed over intervals of 50 ms, which show whether it keeps moving or comes to rest (companion paper)."""
     found = read_series(run.folder)
     names = {
         "fluctuating_kinetic_energy": "fluctuating_kinetic_energy [J]", "grid_pressure_drop": "pressure_drop", "gas_force": "gas_force",
@@ -152,7 +152,7 @@ def dispersion(run: Run) -> Rows:
 
 
 def critical(run: Run) -> Rows:
-    """Critical times of each window, by looks every 2 ms (Fig. 8c)."""
+    """Critical times of each window, from samples every 2 ms (Fig. 8c)."""
     found = run.rows("agglomerates", "windows")
     for row, reference in enumerate(found["reference_time"]):
         yield {"reference_time [s]": float(reference)} | {f"{name} [s]": float(found[name][row]) for name in ("most", "few", "steady")}

@@ -1,4 +1,4 @@
-"""Drag from the local agglomerates in place of one factor, which Liu et al. (2016) wish for: two cases beside runs with one factor."""
+"""Drag from the local agglomerates in place of one factor, as Liu et al. (2016) propose: two cases, compared with runs with one factor."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def drag(_: Path) -> Section | None:
         "friction of the gas at the walls. Agglomerates: sets of 15 and more whose contacts last for 1 ms, means weighted by mass."
     )
     commit = found.provenance.get("commit", "unknown")[:10]
-    made = f"Made by: talcum run, then talcum restart with --set, as cases/liu2016/README.md tells (commit {commit}). Numbers: {FILE}; digests were not kept."
+    made = f"Made by: talcum run, then talcum restart with --set, as in cases/liu2016/README.md (commit {commit}). Numbers: {FILE}; digests were not kept."
     return Section("Drag from the agglomerates", text, statements, [(bars_of(found), "Two cases, one run for each drag.")], [made], rows_of(found))
 
 

@@ -32,7 +32,7 @@ SINGLE = (np.inf, 200.0, 60.0, 20.0)
 """Numbers of members of the agglomerates that are taken out: the largest, and those nearest to some others."""
 GREY = (0.88, 0.88, 0.88)
 COLOURS = np.array([colour for colour in colormaps["tab20"].colors if np.ptp(colour) > 0.01])
-"""Those of a map that are no greys."""
+"""The colours of a map that are not greys."""
 
 
 @dataclass

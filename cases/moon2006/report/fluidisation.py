@@ -85,7 +85,7 @@ def other_sections(results: Path) -> Section | None:
     if points is None or fast is None or not points.rows:
         return None
     usual = fast.estimate(fast.rows[0], "speed")
-    statements = [Statement("speed with 3,000 particles in 5 x 5 x 240 d", "not given in words", str(usual), None)]
+    statements = [Statement("speed with 3,000 particles in 5 x 5 x 240 d", "not given in the text", str(usual), None)]
     for row in points.rows:
         speed = points.estimate(row, "speed")
         lengths = " x ".join(f"{float(length):g}" for length in row["lengths"].strip("[]").split(","))

@@ -1,4 +1,4 @@
-"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, beside what the paper says of it."""
+"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, compared with the text of the paper."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def figure_1(results: Path) -> Section | None:
     gas, front = points.estimate(row, "gas_force"), points.estimate(row, "front_speed")
     statements = [
         Statement("bed at U_s 0.12", "alternating plugs and voids that rise periodically", row["waves"].replace("_", " "), None),
-        Statement("speed of the waves", "not given in words", str(speed), None),
-        Statement("wavelength; period", "not given in words", f"{length}; {period}", None),
+        Statement("speed of the waves", "not given in the text", str(speed), None),
+        Statement("wavelength; period", "not given in the text", f"{length}; {period}", None),
         Statement("gas force over the weight", "1 above minimum fluidisation", str(gas), within(gas.mean, 1.0, 0.02)),
         Statement("front by which waves climb through the poured bed", "not shown", str(front), None),
     ]

@@ -34,7 +34,7 @@ def sources(*studies: tuple[str, StudyTable | None]) -> list[str]:
 
 
 def states(points: StudyTable, axis: str) -> str:
-    """What the beds of each point do, in words."""
+    """What the beds of each point do, as text."""
     parts = [f"{float(row[axis]):g}: {row['waves'].replace('_', ' ')}" for row in points.rows]
     return "; ".join(parts)
 
