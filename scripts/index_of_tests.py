@@ -58,7 +58,7 @@ def without_claim(root: Path) -> list[str]:
 
 
 def entry(file: Path, root: Path) -> str:
-    """What a file shows, and its tests."""
+    """The description of a file, and its tests."""
     text = file.read_text(encoding="utf-8")
     names = "".join(f"* {name.replace('_', ' ')}\n" for name in tests_in(text))
     return f"\n**`{file.relative_to(root)}`**: {claim(text)}\n\n{names}"

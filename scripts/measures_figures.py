@@ -139,7 +139,7 @@ def contact_network(bed: talcum.Bed) -> Figure:
 
 
 def side(particles: Any) -> tuple[float, float]:
-    """From the leftmost to the rightmost particle."""
+    """The limits of x, from the leftmost to the rightmost particle."""
     x, margin = particles.position[:, 0], float(particles.radius.max())
     return float(x.min() - margin), float(x.max() + margin)
 

@@ -138,7 +138,7 @@ DRAWN = {
 
 
 def results_of(name: str, folder: Path) -> talcum.Bed | talcum.Study:
-    """What a run left."""
+    """The results of a run or a study."""
     return talcum.read_study(folder / name) if isinstance(RUNS[name], FirstStudy) else talcum.open(folder / name)
 
 

@@ -14,13 +14,13 @@ from PIL import Image
 WIDEST, HIGHEST = 1000, 1200
 """Pixels of the figures of the book."""
 COLOURS = 256
-"""Those of a palette."""
+"""Colours of a palette."""
 FREQUENT = 8
 """The most frequent colours, such as white, are kept as they are."""
 GREYS = 64
 """Levels of grey of a palette of all colours: a grey is stored within two of its 255 levels, within four in one of half as many."""
 STEEPEST = 3
-"""What differs by so little between red, green and blue is grey: smoothing mixes a little colour into it."""
+"""A colour whose red, green and blue differ by so little counts as grey: smoothing mixes a little colour into greys."""
 
 
 def smaller(figure: Image.Image, widest: int = WIDEST, colours: int = COLOURS) -> Image.Image:

@@ -1,4 +1,4 @@
-"""What `[measure.NAME]` costs: each kind alone and all at once, on the settled bed of 24,000 particles, on one rank."""
+"""The cost of `[measure.NAME]`, each kind alone and all at once, on the settled bed of 24,000 particles, on one rank."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class Measured:
 
 @dataclass
 class Finished:
-    """What a process said, and what it used."""
+    """The output of a process, and the resources that it used."""
 
     words: str
     share_of_cores: float
@@ -97,7 +97,7 @@ def execute(command: list[str], ranks: int = 1) -> Finished:
 
 @dataclass
 class Watched:
-    """What is seen of a process and its descendants while they run."""
+    """Observations of a process and its descendants while they run."""
 
     # Nanoseconds that each has run, and waited for a core.
     ran: dict[int, tuple[int, int]] = field(default_factory=dict)

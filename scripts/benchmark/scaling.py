@@ -82,7 +82,7 @@ def copies_around(sides: list[float], is_cut: list[bool], density: float) -> flo
 
 @dataclass(frozen=True)
 class Load:
-    """What each rank has to do."""
+    """The work of each rank."""
 
     particles: float
     # Cut along x and y only, over the whole height of the bed; or along all three axes.
@@ -126,7 +126,7 @@ class Load:
 
     @property
     def copies_in_pairs(self) -> float:
-        """Those of them that are in a pair of the list."""
+        """The part of the neighbours' particles that is in a pair of the list."""
         return PART_IN_PAIRS * self.copies
 
     @property

@@ -37,7 +37,7 @@ adhesion_over_weight = 0
 
 @dataclass
 class Particles:
-    """What is taken over from a checkpoint, in the order of ids, and the box."""
+    """The data taken from a checkpoint, in the order of ids, and the box."""
 
     box: Array
     position: Array

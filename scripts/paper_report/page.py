@@ -29,12 +29,12 @@ code { background: #f3f5f7; padding: 0.1rem 0.3rem; }
 
 
 VERDICTS = ("agrees", "differs", "reported only")
-"""What the page says of a statement."""
+"""The page's words for a statement."""
 
 
 @dataclass
 class Statement:
-    """What a paper says about a quantity, what was measured, and whether the two agree; None if it is only reported."""
+    """A paper's statement about a quantity, the measured value, and whether the two agree; None if it is only reported."""
 
     quantity: str
     paper: str

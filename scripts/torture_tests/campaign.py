@@ -20,7 +20,7 @@ class Tally:
 
     @property
     def attempts(self) -> int:
-        """All that counts."""
+        """All attempts that count."""
         return sum(count for name, count in self.counts.items() if not name.endswith(NOT_COUNTED))
 
     def __str__(self) -> str:

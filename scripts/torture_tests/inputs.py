@@ -69,7 +69,7 @@ def changed_case(random: Random, text: str) -> str:
 
 
 def random_input(random: Random) -> tuple[Path, str, list[str]]:
-    """Where a case comes from, its text, and its options: one of the two is wrong."""
+    """The origin of a case, its text, and its options; either the text or the options are wrong."""
     source = random.choice(sources())
     if random.random() < 0.7:
         text = changed_case(random, text_of(source)).encode("utf-8", errors="replace").decode("utf-8")

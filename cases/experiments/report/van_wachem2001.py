@@ -44,12 +44,12 @@ INTERVAL = 0.01
 DECLINE = (4.0, 20.0)
 """Frequencies over which the spectrum falls as a power [Hz]."""
 NORMAL_QUANTILE = 1.96
-"""Of the normal distribution, for a confidence of 95 %."""
+"""Quantile of the normal distribution, for a confidence of 95 %."""
 
 
 @dataclass
 class Quantity:
-    """What is compared."""
+    """The signals that are compared."""
 
     record: str
     """The experiment's record."""
@@ -77,7 +77,7 @@ class Signal:
 
     @property
     def duration(self) -> float:
-        """From the first to the last time."""
+        """The duration from the first to the last time."""
         return float(self.time[-1] - self.time[0])
 
     @property
@@ -97,15 +97,15 @@ class Signal:
         return (len(rises) - 1) / (rises[-1] - rises[0]) if len(rises) > 1 else float("nan")
 
     def at(self, time: Array) -> Signal:
-        """The same at other times, by straight lines between the values."""
+        """The signal at other times, by linear interpolation."""
         return Signal(time, np.interp(time, self.time, self.values))
 
     def even(self) -> Signal:
-        """The same at equal intervals."""
+        """The signal at equal intervals."""
         return self.at(np.arange(self.time[0], self.time[-1] + 1e-9, INTERVAL))
 
     def windows(self, duration: float) -> list[Signal]:
-        """As many windows of this duration as there is room for."""
+        """All windows of this duration that fit."""
         rows = round(duration / INTERVAL)
         firsts = range(0, len(self.time) - rows + 1, rows)
         return [Signal(self.time[first : first + rows], self.values[first : first + rows]) for first in firsts]
@@ -216,7 +216,7 @@ class Spectrum:
 
     @property
     def slope(self) -> float:
-        """Of a straight line through the logarithms, over the frequencies of DECLINE."""
+        """Slope of a straight line through the logarithms, over the frequencies of DECLINE."""
         rows = (self.frequency >= DECLINE[0]) & (self.frequency <= DECLINE[1])
         return float(np.polyfit(np.log(self.frequency[rows]), np.log(self.density[rows]), 1)[0])
 
@@ -238,7 +238,7 @@ def measured_spectrum() -> Spectrum:
 
 
 def integral(places: Array, values: Array) -> float:
-    """By the trapezoidal rule."""
+    """The integral by the trapezoidal rule."""
     return float(np.sum(0.5 * np.diff(places) * (values[1:] + values[:-1])))
 
 

@@ -40,7 +40,7 @@ from .experiment import MEASURED, provenance
 AT_REST = 0.2
 """Height of the bed at rest [m]."""
 MIDDLE = 0.14
-"""Where the jet enters along x [m]."""
+"""Place along x where the jet enters [m]."""
 DEPTH = 0.04
 """Depth of the box along y [m]."""
 SEEN = 3.75e-3

@@ -22,7 +22,7 @@ from .tables import SHOWN, panels, read, sources, table
 LAGS = {"10ms": 0.01, "30ms": 0.03, "50ms": 0.05}
 """Lags at which the studies count agglomerates [s], by the end of their columns."""
 LONG_LAGS = LAGS | {"100ms": 0.1, "300ms": 0.3}
-"""Those of the study of agglomerates that last."""
+"""Lags of the study of lasting agglomerates."""
 READINGS = (
     "as it stands", "drag exponent 1.65", "drag factor 0.15", "primary particles of 5 nm", "primary particles of 1 nm", "friction 0.7", "tangential spring 1.6 N/m",
     "restitution 0.3", "plasticity index 0.5", "friction limited by the net force", "reloading along the limit of adhesion", "smooth walls",
@@ -34,7 +34,7 @@ LASTING: dict[str, dict[str, float | str]] = {
     "d_NP = 1 nm": {"primary_diameter": 1.0e-9}, "plasticity index 0.5": {"loading_stiffness": 1.0},
     "cells of six diameters": {"cells": "[8, 3, 40]"},
 }  # fmt: skip
-"""What `lasting-agglomerates` varies, by the value that differs from the case."""
+"""The changes of `lasting-agglomerates`, by the value that differs from the case."""
 PAPER = "C_N of the bed 2 to 3, in agglomerates 3; packing 0.2 to 0.3, D_f 1.9 to 2.3; agglomerates outlive 0.1 s"
 
 

@@ -24,7 +24,7 @@ PROPERTIES = {
     "packing_fraction": ("packing fraction", 1.0),
     "fractal_dimension": ("D_f", 1.0),
 }
-"""What Figs 9 and 10 show: label, factor."""
+"""The quantities of Figs 9 and 10: label, factor."""
 TOLD_LAGS = (0.01, 0.03, 0.05)
 """Lags at which what is left of agglomerates is described [s]."""
 
@@ -80,7 +80,7 @@ def breakage(results: Path) -> Section | None:
 
 
 def share_kept(rows: StudyTable, lag: float) -> list[float]:
-    """Of each run and window: agglomerates at a lag over those at the first."""
+    """The agglomerates at a lag over those at the first lag, for each run and window."""
     at: dict[tuple[str, str], dict[float, float]] = {}
     for row in rows.rows:
         key = (row["seed"], row["reference_time"])
@@ -89,7 +89,7 @@ def share_kept(rows: StudyTable, lag: float) -> list[float]:
 
 
 def told_by_window(found: StudyTable, lag: float) -> str:
-    """Of each case of which there are several windows: the parts left at a lag, means over the seeds, by t_0."""
+    """The parts left at a lag, as means over the seeds, by t_0, for each case that has several windows."""
     told_cases = []
     for case in CASES:
         rows = found.where(case=case)
@@ -106,7 +106,7 @@ def of_lag(rows: StudyTable, lag: float) -> list[float]:
 
 
 def lag_table(found: StudyTable) -> list[list[str]]:
-    """What is left of agglomerates at some lags, of the windows in which some are; the first row is the head."""
+    """The agglomerates that are left at some lags, in the windows that have some; the first row is the head."""
     names = ("coordination_number", "packing_fraction", "fractal_dimension")
     rows = []
     for case in CASES:

@@ -73,7 +73,7 @@ def boxes(results: Path) -> list[list[str]]:
 
 
 def box(results: Path) -> Section | None:
-    """What the whole box changes."""
+    """The part of the page about the effect of the whole box."""
     found = boxes(results)
     if not found:
         return None

@@ -31,7 +31,7 @@ SHOWN = {
 
 
 def drag(_: Path) -> Section | None:
-    """What drag from the agglomerates changes."""
+    """The part of the page about drag from the agglomerates."""
     file = curves.KEPT / FILE
     if not file.exists():
         return None

@@ -151,7 +151,7 @@ def draw_single(panel: Axes, shot: Snapshot, name: int) -> None:
 
 
 def told(properties: dict[str, Array], time: float, name: int) -> str:
-    """What the measure says of an agglomerate."""
+    """The measured properties of an agglomerate, as text."""
     row = int(np.flatnonzero((np.abs(properties["time"] - time) < 1e-6) & (properties["label"] == name))[0])
     found = {key: float(properties[key][row]) for key in ("members", "diameter", "coordination_number", "packing_fraction", "fractal_dimension")}
     return (
@@ -193,7 +193,7 @@ def flow(results: Path, case: str) -> Figure | None:
 PICTURES: dict[str, Callable[[Path], Figure | None]] = {"cases": cases, "lags": lags, "box": partial(lags, studies=WHOLE_BOX, width=4.0e-3), "singly": singly, "tagged": tagged} | {
     f"flow-{case}": lambda results, case=case: flow(results, case) for case in SHOWN
 }
-"""By the name of the file that is kept."""
+"""The figures by the names of the kept files."""
 
 
 def pictured(results: Path, name: str) -> Figure | None:

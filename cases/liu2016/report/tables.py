@@ -146,7 +146,7 @@ def bars(panel: Axes, values: Values, label: str, scale: float = 1.0) -> None:
 
 
 def sources(results: Path, studies: tuple[str, ...] = STUDIES) -> list[str]:
-    """Where the numbers of the paper's cases come from."""
+    """The origin of the numbers of the paper's cases."""
     known = [(name, table(results, name)) for name in studies]
     return [made_by("liu2016", name, points) for name, points in known if points]
 

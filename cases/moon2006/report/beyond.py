@@ -16,7 +16,7 @@ from .tables import source, table
 
 GAMMA = 0.1
 SUSPENSION = (0.393, 30.8, 7.0)
-"""Of the study `compressible`: the plate's acceleration; solids fraction, height and Stokes number of the bed as it begins."""
+"""Numbers of the study `compressible`: the plate's acceleration, and the initial solids fraction, height and Stokes number of the bed."""
 
 
 def distributor(results: Path) -> Section | None:

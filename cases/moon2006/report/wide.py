@@ -26,7 +26,7 @@ def layers(results: Path) -> StudyTable | None:
 
 
 def made(results: Path) -> StudyTable | None:
-    """The same of the runs that are here."""
+    """The values of the runs that are here."""
     runs = table(results, "wide", "runs")
     rows: list[dict[str, str]] = []
     provenance = {"title": "Voidage of the wide bed over time in means of layers, and across layers: standard deviations"}
