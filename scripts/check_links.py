@@ -20,7 +20,7 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**/*.md", "cases/**/*.md", "notes/*.md"]
 GENERATED = {"tests.md"}
-"""Pages that are only there while the book is built (scripts/book)."""
+"""Pages that exist only while the book is built (scripts/book)."""
 MEANT_FOR_OTHERS = re.compile(r"[a-z]+:|//", re.IGNORECASE)
 
 

@@ -399,7 +399,7 @@ def save_figure(figure: Figure, picture: Path) -> None:
     except (OSError, ValueError) as reason:
         beside.unlink(missing_ok=True)
         raise ResultsError(f"{picture}: cannot be written: {reason}") from reason
-    print(f"picture: {picture}")
+    print(f"figure: {picture}")
 
 
 def argument_parser(description: str, picture: str) -> argparse.ArgumentParser:

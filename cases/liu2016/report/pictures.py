@@ -216,4 +216,4 @@ def save(drawn: Figure, file: Path) -> None:
     drawn.savefig(image, format="png", dpi=80, bbox_inches="tight")
     colours = Image.open(image).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     colours.save(file, optimize=True)
-    print(f"picture: {file}")
+    print(f"figure: {file}")
