@@ -17,7 +17,7 @@ from ovito.data import DataCollection
 from ovito.io import FileReaderInterface
 
 STANDARD = {"id": "Particle Identifier", "velocity": "Velocity", "angular_velocity": "Angular Velocity", "radius": "Radius"}
-"""OVITO's names of what it knows; others keep their own."""
+"""OVITO's names of the datasets that it knows; other datasets keep their names."""
 
 
 class TalcumReader(FileReaderInterface):

@@ -1,4 +1,4 @@
-"""The eight cases of Liu et al. (2016) side by side: what the paper says of each quantity, and what the small beds give; and what the whole box changes."""
+"""The eight cases of Liu et al. (2016) side by side: the paper's statement on each quantity, the small beds, and the effect of the whole box."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cases(results: Path) -> Section | None:
         return None
     text = (
         "Small beds, from 0.3 s on. The four cases of Fig. 3 have three windows of 0.3 s in each of their runs, the others one, from 0.3 s on, in "
-        "which agglomerates of the cases of Fig. 3 are short-lived (Fig. 8). What is said of agglomerates is at the lag 0.01 s. ± is half of the interval of 95 % confidence over "
+        "which agglomerates of the cases of Fig. 3 are short-lived (Fig. 8). Values for agglomerates are at the lag 0.01 s. ± is half of the interval of 95 % confidence over "
         "seeds, or over windows and seeds."
     )
     return Section("Table 2, case by case", text, sources=sources(results), table=found)
