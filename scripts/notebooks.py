@@ -120,7 +120,7 @@ def differences(stored: NotebookNode, anew: NotebookNode) -> list[str]:
     for number, (before, after) in enumerate(zip(stored.cells, anew.cells), start=1):
         lines = [[line for text in texts_of(cell) for line in text.splitlines()] for cell in (before, after)]
         if lines[0] != lines[1]:
-            found += [f"cell {number}:", *difflib.unified_diff(*lines, "stored", "anew", lineterm="")]
+            found += [f"cell {number}:", *difflib.unified_diff(*lines, "stored", "executed", lineterm="")]
     return found
 
 

@@ -22,7 +22,7 @@ def changes(bed: Bed) -> list[str]:
     """The options that differ from the settled bed without gas and cohesion."""
     settings = [f"stage.{STAGE}.{setting}" for setting in bed.settings]
     if bed.vibration:
-        # Named in the stage, so that the phase is 0 at its begin.
+        # Named in the stage, so that the phase is 0 at its start.
         settings += [
             f"stage.{STAGE}.vibration.gamma={bed.vibration.gamma}",
             f"stage.{STAGE}.vibration.frequency={bed.vibration.frequency}",

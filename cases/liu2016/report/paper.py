@@ -18,7 +18,7 @@ INTRODUCTION = (
 
 
 def times_of_runs(results: Path) -> Section | None:
-    """How long the runs took."""
+    """The run times."""
     return run_times.section(results, curves.KEPT, curves.ALL_STUDIES)
 
 

@@ -95,7 +95,7 @@ def figure_3(results: Path) -> Section | None:
     figures += beds(results, "fig3")
     text = (
         "Cohesion (Bo 20) and vibration (f 0.16) are switched on in the developed bed; measured from 25 to 100 time units "
-        "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same. Waves are told in two ways: "
+        "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same. Waves are measured in two ways: "
         "by the material that they sweep, which counts a single gap that crosses it, and by windows of heights and times in which a pattern repeats."
     )
     return Section("Fig. 3: vibration brings the waves back", text, statements, figures, sources(("fig3", points), ("fig3-contact", contact)))
@@ -130,7 +130,7 @@ def returns(runs: StudyTable, measure: str) -> Estimate:
 
 
 def times_of_runs(results: Path) -> Section | None:
-    """How long the runs took."""
+    """The run times."""
     return run_times.section(results, tables.KEPT, tables.STUDIES)
 
 
