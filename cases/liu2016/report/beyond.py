@@ -1,4 +1,4 @@
-"""Beyond the figures of Liu et al. (2016): what the paper leaves open, and readings of it by which agglomerates last longer."""
+"""Beyond the figures of Liu et al. (2016): choices that the paper leaves open, and readings of it in which agglomerates last longer."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def depth(results: Path) -> Section | None:
 
 
 def readings(results: Path) -> Section | None:
-    """Readings of what the paper leaves open."""
+    """Choices that the paper leaves open."""
     points = table(results, "readings")
     if points is None:
         return None
@@ -80,7 +80,7 @@ def readings(results: Path) -> Section | None:
         "rho250vdw20ug4 in the small box, one change at a time, from the same developed bed; t_0 is 0.1 s after the change. Lifetimes in the paper are "
         "ten times as long."
     )
-    return Section("Readings of what the paper leaves open", text, statements, [drawn(points, names)], [made_by("liu2016", "readings", points)])
+    return Section("Choices that the paper leaves open", text, statements, [drawn(points, names)], [made_by("liu2016", "readings", points)])
 
 
 def lasting(results: Path) -> Section | None:

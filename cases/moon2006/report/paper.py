@@ -67,7 +67,7 @@ def figure_2(results: Path) -> Section | None:
     figures += beds(results, "fig2")
     text = (
         "Cohesion is switched on in the developed bed (the final states of Fig. 1); measured 75 to 150 time units later. The paper's "
-        "words allow two readings of Coulomb's limit: from the net normal force, or from the contact force alone."
+        "text allows two readings of Coulomb's limit: from the net normal force, or from the contact force alone."
     )
     return Section("Fig. 2: waves slow down and freeze as cohesion grows", text, statements, figures, [source("fig2", points)])
 
