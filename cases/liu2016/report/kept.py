@@ -22,7 +22,7 @@ from .curves import ALL_STUDIES
 
 
 def keep(results: Path, folder: Path) -> None:
-    """Keeps what the runs in the folder of results give."""
+    """Keeps the data of the runs in the folder of results."""
     if not curves.runs_of(results) and not run_times.made(results, ALL_STUDIES):
         raise ResultsError(f"{results}: no complete run of {', '.join(ALL_STUDIES)}")
     folder.mkdir(parents=True, exist_ok=True)
