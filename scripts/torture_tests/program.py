@@ -142,7 +142,7 @@ def wait(process: subprocess.Popen[bytes], patience: float = PATIENCE) -> Ended:
 
 
 def limit_memory() -> None:
-    """Called in a new process: no more than this for it."""
+    """Limits the memory of a new process, in which it is called."""
     resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
 
 
