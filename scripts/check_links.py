@@ -1,9 +1,9 @@
-"""Checks the links of documents: that what a relative link or an image names is there, and that the heading behind a # is, too.
+"""Checks the links of documents: that the target of each relative link or image exists, and so does the heading after a #.
 
     python scripts/check_links.py                  the Markdown files of the repository
     python scripts/check_links.py target/book      the pages of the built book
 
-In the repository, pages of the book (docs/) may link to pages of the book alone: the built book has no other files. They name
+In the repository, pages of the book (docs/) may link only to pages of the book, since the built book has no other files. They name
 a file of the repository as code instead.
 """
 
@@ -20,12 +20,12 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**/*.md", "cases/**/*.md", "notes/*.md"]
 GENERATED = {"tests.md"}
-"""Pages that are only there while the book is built (scripts/book)."""
+"""Pages that exist only while the book is built (scripts/book)."""
 MEANT_FOR_OTHERS = re.compile(r"[a-z]+:|//", re.IGNORECASE)
 
 
 class Page(NamedTuple):
-    """What a page links to, and what can be linked to in it."""
+    """The links of a page, and its anchors."""
 
     links: list[str]
     anchors: set[str]
@@ -61,7 +61,7 @@ def anchor_of(heading: str) -> str:
 
 
 def markdown_page(text: str) -> Page:
-    """A page of Markdown; code is not looked at."""
+    """A page of Markdown, without its code."""
     prose = re.sub(r"^```.*?^```$|<!--.*?-->", "", text, flags=re.MULTILINE | re.DOTALL)
     anchors: set[str] = set()
     for heading in re.findall(r"^#+ +(.*?) *$", prose, re.MULTILINE):
@@ -81,7 +81,7 @@ def read(path: Path) -> Page:
 
 
 def broken(paths: list[Path], root: Path, book: Path) -> list[str]:
-    """What is wrong with the links of pages, all of them below `root`; those in the folder `book` stay in it."""
+    """Errors in the links of pages, all below `root`; pages in the folder `book` may link only inside it."""
     pages = {path: read(path) for path in paths}
     wrong = []
     for path, page in pages.items():
@@ -101,17 +101,17 @@ def broken(paths: list[Path], root: Path, book: Path) -> list[str]:
 
 
 def not_in_summary(docs: Path) -> list[str]:
-    """Pages of the book that its table of contents leaves out."""
+    """Pages of the book that are not in its table of contents."""
     listed = {(docs / link).resolve() for link in read(docs / "SUMMARY.md").links}
     pages = (path.resolve() for path in docs.rglob("*.md") if path.name != "SUMMARY.md")
     return [f"{path.relative_to(docs)}: is not in SUMMARY.md" for path in pages if path not in listed]
 
 
 def main() -> int:
-    """Prints what is wrong; 1 if anything is."""
+    """Prints the errors; returns 1 if there are any."""
     if len(sys.argv) > 1:
         root = book = Path(sys.argv[1]).resolve()
-        # The page for printing repeats all others in one place, where their relative links need not lead anywhere.
+        # The page for printing repeats all others in one place, where their relative links need not work.
         paths = [path for path in sorted(root.rglob("*.html")) if path.name not in {"print.html", "toc.html"}]
         wrong = []
     else:
@@ -121,7 +121,7 @@ def main() -> int:
     wrong += broken(paths, root, book)
     for line in wrong:
         print(line, file=sys.stderr)
-    print(f"{len(paths)} pages, {len(wrong)} links to mend" if wrong else f"{len(paths)} pages: all links lead somewhere")
+    print(f"{len(paths)} pages, {len(wrong)} broken links" if wrong else f"{len(paths)} pages: all links lead somewhere")
     return 1 if wrong else 0
 
 

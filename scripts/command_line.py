@@ -1,4 +1,4 @@
-"""Writes docs/command-line.md: what `talcum --help` says of each command.
+"""Writes docs/command-line.md: the text of `talcum --help` for each command.
 
     python scripts/command_line.py        after `cargo build`, if options have changed
 
@@ -21,21 +21,21 @@ HEAD = """\
 
 <!-- Written by scripts/command_line.py from the program's own --help: change that. -->
 
-What the program says of itself. [Running a case](running.md) explains the commands that run cases; more on
-`analyse` is in [Measuring on results](analyse.md), on `study` and `summary` in [Studies](study.md), on `contact` in
+This page has the program's own help. [Running a case](running.md) explains the commands that run cases. For `analyse` see
+[Measuring on results](analyse.md), for `study` and `summary` see [Studies](study.md), and for `contact` see
 [Contacts](theory/contacts.md).
 """
 
 
 def help_of(*words: str) -> str:
-    """What `talcum WORDS --help` prints, on lines of up to 100 characters."""
+    """The output of `talcum WORDS --help`, on lines of up to 100 characters."""
     command = [program(), *words, "--help"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "100"})
     return "\n".join(line.rstrip() for line in done.stdout.strip().splitlines()) + "\n"
 
 
 def commands(text: str) -> list[str]:
-    """The commands that the program's help lists, but `help` itself."""
+    """The commands that the program's help lists, except `help` itself."""
     listed = text.split("\nCommands:\n")[1].split("\n\n")[0]
     return [name for name in re.findall(r"^  ([\w-]+) ", listed, re.MULTILINE) if name != "help"]
 

@@ -3,9 +3,9 @@
     talcum contact CASE.toml > loop.csv
     .venv/bin/python scripts/contact_loop.py loop.csv
 
-The arrows of the loop: pressed to half the largest overlap, parted to a twentieth of it, pressed to the largest, parted
-for good. For each table a line of numbers is printed: the largest force, the largest pull, and the energy that
-the loop encloses, also over the work of pressing if that is positive.
+The arrows of the loop show a contact that is pressed to half the largest overlap, separated to a twentieth of it, pressed to
+the largest overlap, and separated. For each table the script prints a line of numbers: the largest force, the largest pull,
+and the energy that the loop encloses, also divided by the work of pressing if this is positive.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def draw_loop(panel, loop: Loop, colour: str, label: str | None) -> None:
 
 
 def draw(loops: list[Loop], picture: Path) -> None:
-    """All loops in one picture."""
+    """All loops in one figure."""
     figure, panels = new_figure(size=(8.0, 5.5))
     panel = panels[0, 0]
     panel.axhline(0.0, color=GREY, linewidth=0.8)
@@ -123,7 +123,7 @@ def main(command_line: list[str] | None = None) -> None:
     """Reads, measures, draws."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tables", type=Path, nargs="+", help="tables of `talcum contact`")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="the picture (default: beside the first table)")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="the figure (default: in the folder of the first table)")
     arguments = parser.parse_args(command_line)
     loops = [read_loop(path) for path in arguments.tables]
     require_same_units(loops)

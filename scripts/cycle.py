@@ -1,8 +1,8 @@
-"""Draws a vibrated bed over one cycle of the plate: stress on the plate, pressure drop, their sum, bed's bottom.
+"""Draws a vibrated bed over one cycle of the plate: stress on the plate, pressure drop, their sum, and the bed's bottom.
 
-Frequency, amplitude and phase are taken from the effective gravity, 1 + Gamma sin(2 pi f t), in series.csv;
-phase 0 is where it passes 1 upwards. Rows of many cycles are averaged at equal phase; bands show one standard
-deviation. Sum and effective gravity differ by the acceleration of the bed's centre of mass.
+Frequency, amplitude and phase follow from the effective gravity in series.csv, 1 + Gamma sin(2 pi f t); at
+phase 0 it rises through 1. Rows of many cycles are averaged at equal phase; bands show one standard
+deviation. The sum and the effective gravity differ by the acceleration of the bed's centre of mass.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Vibration:
 
     def phase(self, time: Array) -> Array:
         """The phase of times, as a part of a cycle from 0 up to 1."""
-        # Rounded, so that a phase of 0 does not come out as one of 1 - 1e-16.
+        # Rounded, so that a phase of 0 does not become 1 - 1e-16.
         return np.round((time - self.start) * self.frequency, 9) % 1.0
 
 
@@ -59,7 +59,7 @@ class Cycle:
 
 
 def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Array, float]:
-    """Least squares of values by 1, sin, cos at a frequency: the coefficients, and the rms of what is left."""
+    """Fits 1, sin and cos at a frequency by least squares, and returns the coefficients and the rms of the residual."""
     angle = 2.0 * np.pi * frequency * time
     basis = np.column_stack([np.ones_like(time), np.sin(angle), np.cos(angle)])
     coefficients, *_ = np.linalg.lstsq(basis, values, rcond=None)
@@ -67,7 +67,7 @@ def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Array, float
 
 
 def find_frequency(time: Array, values: Array) -> float:
-    """The frequency of a sine: the strongest of the spectrum, made exact by least squares."""
+    """The frequency of a sine: the strongest in the spectrum, refined by least squares."""
     interval = float(np.median(np.diff(time)))
     even = np.arange(time[0], time[-1], interval)
     strength = np.abs(np.fft.rfft(np.interp(even, time, values) - values.mean()))
@@ -82,7 +82,7 @@ def find_frequency(time: Array, values: Array) -> float:
 
 
 def find_vibration(series: Series, frequency: float | None) -> Vibration:
-    """Frequency, Gamma and phase from the effective gravity; an error in words if the plate is at rest."""
+    """Frequency, Gamma and phase from the effective gravity; an error if the plate is at rest."""
     gravity, time = series["effective_gravity"], series.time
     if len(time) < 2 * LEAST_ROWS_PER_CYCLE:
         raise ResultsError(f"{len(time)} rows of series.csv are too few")
@@ -94,7 +94,7 @@ def find_vibration(series: Series, frequency: float | None) -> Vibration:
     gamma = float(np.hypot(sine, cosine))
     if left > 0.01 * gamma:
         raise ResultsError(
-            f"the effective gravity is no sine of frequency {frequency:.6g} in these rows; choose with --from and "
+            f"the effective gravity is not a sine of frequency {frequency:.6g} in these rows; choose with --from and "
             "--to a part with one Gamma and one frequency"
         )
     start = origin - np.arctan2(cosine, sine) / (2.0 * np.pi * frequency)
@@ -127,7 +127,7 @@ def average_over_phase(series: Series, vibration: Vibration, bins: int) -> Cycle
 
 
 def columns_of_a_cycle(series: Series) -> dict[str, Array]:
-    """What is averaged: columns of the series, and the sum of plate stress and pressure drop."""
+    """The columns that are averaged: some of the series, and the sum of plate stress and pressure drop."""
     names = ["plate_stress", "grid_pressure_drop", "gas_force", "effective_gravity", "bed_bottom", "centre_velocity"]
     columns = {name: series[name] for name in names}
     columns["sum"] = series["plate_stress"] + series["grid_pressure_drop"]
@@ -157,7 +157,7 @@ def draw_line(panel, cycle: Cycle, name: str, words: str, colour: str, style: st
 
 
 def draw(series: Series, vibration: Vibration, cycle: Cycle):
-    """Stresses above, the bed's bottom below, over one cycle."""
+    """Draws stresses (above) and the bed's bottom (below) over one cycle."""
     figure, panels = new_figure(2, 1, size=(8.5, 8.0))
     stresses, bottom = panels[:, 0]
     phase = np.linspace(0.0, 1.0, 201)

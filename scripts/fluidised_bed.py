@@ -1,11 +1,11 @@
-"""Draws a bed in a volume-averaged gas: its particles, and velocity (arrows) and voidage (grey) of the gas.
+"""Draws a bed in a volume-averaged gas: its particles, and the velocity (arrows) and voidage (grey) of the gas.
 
-Particles are coloured by speed, or by the size of their agglomerates (--colour members) in results of a case with
-output.agglomerates; those in none are grey.
+Particles are coloured by speed, or by the size of their agglomerates (--colour members) if the case has
+output.agglomerates; particles in no agglomerate are grey.
 
-Both are cut in the middle along y: the particles whose centres are in the middle third of the box, and the middle
-layer of cells. The picture is of the last time in particles.vtkhdf and gas.vtkhdf, or of --to. The mean of the pressure
-drop and its standard deviation are said, of the rows of series.csv between --from and --to.
+Both are cut in the middle along y: the figure shows particles whose centres are in the middle third of the box, and the
+middle layer of cells. It shows the last time in particles.vtkhdf and gas.vtkhdf, or the time --to. The script prints the mean
+of the pressure drop and its standard deviation, over the rows of series.csv between --from and --to.
 """
 
 from __future__ import annotations
@@ -58,22 +58,22 @@ def step_at(times: Array, time: float | None) -> int:
     """The last step, or the last one not after a time."""
     steps = np.flatnonzero(times <= time) if time is not None else np.arange(len(times))
     if len(steps) == 0:
-        raise ResultsError("there is no snapshot until then" if len(times) else "there is no snapshot")
+        raise ResultsError("there is no snapshot at or before that time" if len(times) else "there is no snapshot")
     return int(steps[-1])
 
 
 def members_of(labels: Array) -> Array:
-    """Of each particle the number of members of its agglomerate; not a number for those in none, whose label is below 0."""
+    """For each particle, the number of members of its agglomerate; NaN if it is in none and has a label below 0."""
     _, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
     return np.where(labels < 0, np.nan, counts[places.ravel()])
 
 
 def colours_of(data: h5py.Group, rows: slice, colour: str) -> tuple[Array, str]:
-    """What colours the particles of a snapshot, and what stands beside it."""
+    """The values that colour the particles of a snapshot, and their label."""
     if colour == "speed":
         return np.linalg.norm(data["velocity"][rows], axis=1), axis_label("speed", data["velocity"].attrs["unit"])
     if "agglomerate" not in data:
-        raise ResultsError("particles.vtkhdf shows no agglomerates: see output.agglomerates")
+        raise ResultsError("particles.vtkhdf has no agglomerates: see output.agglomerates")
     return members_of(data["agglomerate"][rows]), "members of the agglomerate; grey: in none"
 
 
@@ -124,7 +124,7 @@ def draw_particles(figure: Figure, panel, bed: Bed) -> None:
 
 
 def round_marks(low: float, high: float) -> list[int]:
-    """The numbers 1, 2, 5, 10, 20 ... between two, which are marks of a logarithmic scale."""
+    """The numbers 1, 2, 5, 10, 20 ... between two limits, as marks of a logarithmic scale."""
     marks = (digit * 10**power for power in range(9) for digit in (1, 2, 5))
     return [mark for mark in marks if low <= mark <= high]
 
@@ -153,13 +153,13 @@ def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
         scale=scale,
         width=0.006,
     )
-    # In the title: a key beside it would not count in the layout, and be cut off above high panels.
+    # The key is in the title, because the layout would not count a key next to it and would cut it off above high panels.
     panel.set_title(f"gas, {axis_label(f'arrows to {fastest:.2g}', bed.units['speed'])}; voidage", loc="left")
     figure.colorbar(field, ax=panel, location="bottom", label="voidage")
 
 
 def draw(bed: Bed) -> Figure:
-    """Both panels side by side, up to a height above the bed."""
+    """Draws both panels side by side, up to a height above the bed."""
     # A few particles that fly far above are left out.
     highest = np.percentile(bed.centres[:, 2], 99.9) if len(bed.centres) else 0.0
     top = min(bed.lengths[2], max(1.2 * highest, bed.lengths[0]))

@@ -1,7 +1,7 @@
 """Runs the cases of cases/gallery, draws them, and writes docs/gallery.md with their run times.
 
-    scripts/gallery.py                 all of them, on one core each: some minutes
-    scripts/gallery.py spout heap      some of them; the others keep what the page says
+    scripts/gallery.py                 all cases, each on one core: some minutes
+    scripts/gallery.py spout heap      these cases; the page keeps the entries of the others
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ CASES = ROOT / "cases/gallery"
 PAGE = ROOT / "docs/gallery.md"
 HEAD = """# Gallery
 
-Complete cases that run in minutes. Each is a file of `cases/gallery`; `talcum new NAME` writes it into your folder. Times are those of
-one core of the machine that made this page, by `scripts/gallery.py`.
+These are complete cases that run in minutes. Each is a file of `cases/gallery`; `talcum new NAME` writes it into your folder. Times were
+measured on one core of the machine that made this page with `scripts/gallery.py`.
 """
 
 
@@ -57,7 +57,7 @@ ENTRIES = [
 
 
 def run(case: Path, results: Path) -> float:
-    """Runs a case anew; seconds that it took."""
+    """Runs a case again, and returns the seconds that it took."""
     begin = time.monotonic()
     command = [program(), "run", str(case), "--output", str(results), "--force"]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -67,7 +67,7 @@ def run(case: Path, results: Path) -> float:
 
 
 def seconds_in(page: str) -> dict[str, float]:
-    """The run times that a page tells."""
+    """The run times given on a page."""
     found = re.findall(r"^`talcum new ([\w-]+)`; \d+ particles, (\d+) s", page, re.MULTILINE)
     return {name: float(seconds) for name, seconds in found}
 
@@ -89,8 +89,8 @@ def main(words: list[str] | None = None) -> None:
     """Runs, draws, and writes the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", help="which cases (default: all)")
-    parser.add_argument("--results", type=Path, default=ROOT / "results/gallery", metavar="FOLDER", help="where they are run")
-    parser.add_argument("--draw-only", action="store_true", help="draw what was run before")
+    parser.add_argument("--results", type=Path, default=ROOT / "results/gallery", metavar="FOLDER", help="the folder in which they are run")
+    parser.add_argument("--draw-only", action="store_true", help="draw the results of earlier runs")
     arguments = parser.parse_args(words)
     known = [entry.name for entry in ENTRIES]
     for name in arguments.names:

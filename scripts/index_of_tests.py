@@ -1,5 +1,5 @@
-"""Writes the page of the book that says what each file of tests shows, and by which tests: from the comments at the heads of the
-files and from the names of the tests. `scripts/book` puts it into the book.
+"""Writes the page of the book that says what each file of tests shows, and by which tests. It uses the comments at the heads of
+the files and the names of the tests. `scripts/book` puts the page into the book.
 
     python scripts/index_of_tests.py docs/tests.md
 """
@@ -14,8 +14,8 @@ ROOT = Path(__file__).resolve().parent.parent
 INTRODUCTION = """\
 # What the tests show
 
-Every file of tests, what it shows, and the names of its tests. `scripts/test` runs them all; CONTRIBUTING.md says how to run
-some. Measured numbers are in [verification.md](verification.md).
+This page lists every file of tests, what it shows, and the names of its tests. `scripts/test` runs them all; CONTRIBUTING.md says
+how to run some of them. Measured numbers are in [verification.md](verification.md).
 """
 
 
@@ -27,7 +27,7 @@ def claim(text: str) -> str:
 
 
 def tests_in(text: str) -> list[str]:
-    """The names of the tests in a file: functions behind `#[test]`, other attributes and comments between."""
+    """The names of the tests in a file: functions after `#[test]`, with other attributes and comments in between."""
     names, is_test = [], False
     for line in map(str.strip, text.splitlines()):
         if line == "#[test]":
@@ -46,10 +46,10 @@ def files_with_tests(root: Path) -> list[Path]:
 
 
 def parts(root: Path) -> list[tuple[str, Path]]:
-    """The programs of tests, and the units beside the code: what each part of the page is called, and its folder or file."""
+    """The programs of tests, and the unit tests next to the code: the heading of each part of the page, and its folder or file."""
     programs = [file.parent for file in sorted((root / "tests").glob("*/main.rs"))] + sorted((root / "tests").glob("*.rs"))
     named = [(f"`cargo test --test {place.stem}`", place) for place in programs]
-    return [*named, ("Units, beside the code: `cargo test --lib`", root / "src")]
+    return [*named, ("Unit tests, next to the code: `cargo test --lib`", root / "src")]
 
 
 def without_claim(root: Path) -> list[str]:
@@ -58,7 +58,7 @@ def without_claim(root: Path) -> list[str]:
 
 
 def entry(file: Path, root: Path) -> str:
-    """What a file shows, and its tests."""
+    """The description of a file, and its tests."""
     text = file.read_text(encoding="utf-8")
     names = "".join(f"* {name.replace('_', ' ')}\n" for name in tests_in(text))
     return f"\n**`{file.relative_to(root)}`**: {claim(text)}\n\n{names}"
@@ -78,7 +78,7 @@ def page(root: Path) -> str:
 def main() -> None:
     """Writes the page to the file that is named."""
     if len(sys.argv) != 2:
-        sys.exit("error: name the file to write: python scripts/index_of_tests.py docs/tests.md")
+        sys.exit("error: name the file to write, for example python scripts/index_of_tests.py docs/tests.md")
     Path(sys.argv[1]).write_text(page(ROOT), encoding="utf-8")
 
 

@@ -1,6 +1,6 @@
 """Made-up results for the tests of the scripts: series and profiles whose answers are known.
 
-With TALCUM_KEEP_PICTURES=FOLDER the pictures that the tests draw are kept there, to be looked at.
+With TALCUM_KEEP_PICTURES=FOLDER the figures that the tests draw are kept in this folder.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def write_profiles(folder: Path, time: np.ndarray, height: np.ndarray, phi: np.n
 
 
 def write_two_particles(folder: Path, times: np.ndarray, data: dict[str, tuple[np.ndarray, str]]) -> None:
-    """Writes a particles.vtkhdf of two particles, of which the second is higher by the time, with these data and their units."""
+    """Writes a particles.vtkhdf of two particles, with these data and their units; the second particle is higher by the time."""
     points = np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 2.0]] * len(times))
     points[1::2, 2] += times
     with h5py.File(folder / "particles.vtkhdf", "w") as file:
@@ -145,7 +145,7 @@ class ScriptTest(unittest.TestCase):
         return printed.getvalue()
 
     def assert_picture(self, name: str) -> None:
-        """A picture was written; it is copied to TALCUM_KEEP_PICTURES if that is set."""
+        """Checks that a figure was written, and copies it to TALCUM_KEEP_PICTURES if this is set."""
         picture = self.folder / name
         self.assertEqual(picture.read_bytes()[:4], PICTURE)
         self.assertEqual([file for file in self.folder.iterdir() if file.name.startswith(".")], [])

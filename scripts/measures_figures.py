@@ -1,4 +1,4 @@
-"""Figures of what `[measure.NAME]`, `talcum analyse` and the ledger of energies leave; measures_gallery.py makes the runs."""
+"""Draws figures of the results of `[measure.NAME]`, `talcum analyse` and the ledger of energies; measures_gallery.py makes the runs."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def contact_network(bed: talcum.Bed) -> Figure:
 
 
 def side(particles: Any) -> tuple[float, float]:
-    """From the leftmost to the rightmost particle."""
+    """The limits of x, from the leftmost to the rightmost particle."""
     x, margin = particles.position[:, 0], float(particles.radius.max())
     return float(x.min() - margin), float(x.max() + margin)
 

@@ -1,10 +1,10 @@
-"""Makes the runs from which the figures of docs/measures.md, analyse.md, files.md and study.md are drawn, and draws them.
+"""Makes the runs for the figures of docs/measures.md, analyse.md, files.md and study.md, and draws the figures.
 
-    scripts/measures_gallery.py                  all of them, one after another: some ten minutes
-    scripts/measures_gallery.py vibrated heap    these runs and their figures only
-    scripts/measures_gallery.py --draw-only      figures of runs that were made before
+    scripts/measures_gallery.py                  all runs, one after another: some ten minutes
+    scripts/measures_gallery.py vibrated heap    only these runs and their figures
+    scripts/measures_gallery.py --draw-only      only the figures, from earlier runs
 
-Each run is a case of the repository with other values for some keys, as by `talcum run CASE --set KEY=VALUE`.
+Each run is a case of the repository with other values for some keys, as with `talcum run CASE --set KEY=VALUE`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Run:
         return ROOT / "cases" / self.case
 
     def make(self, folder: Path) -> None:
-        """Runs it anew."""
+        """Runs it again."""
         talcum.run(self.path, set=self.values, output=folder, force=True)
 
 
@@ -54,7 +54,7 @@ class FirstStudy:
     seeds: int
 
     def make(self, folder: Path) -> None:
-        """Runs it anew."""
+        """Runs it again."""
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         text = (ROOT / "tests/program/study/study.toml").read_text(encoding="utf-8")
@@ -138,7 +138,7 @@ DRAWN = {
 
 
 def results_of(name: str, folder: Path) -> talcum.Bed | talcum.Study:
-    """What a run left."""
+    """The results of a run or a study."""
     return talcum.read_study(folder / name) if isinstance(RUNS[name], FirstStudy) else talcum.open(folder / name)
 
 
@@ -146,8 +146,8 @@ def main(words: list[str] | None = None) -> None:
     """Runs and draws."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", help=f"which runs: {', '.join(RUNS)} (default: all)")
-    parser.add_argument("--results", type=Path, default=ROOT / "results/measures", metavar="FOLDER", help="where they are run")
-    parser.add_argument("--draw-only", action="store_true", help="draw what was run before")
+    parser.add_argument("--results", type=Path, default=ROOT / "results/measures", metavar="FOLDER", help="the folder in which they are run")
+    parser.add_argument("--draw-only", action="store_true", help="draw the results of earlier runs")
     arguments = parser.parse_args(words)
     names = arguments.names or list(RUNS)
     if unknown := [name for name in names if name not in RUNS]:

@@ -1,8 +1,8 @@
-"""Draws the pressure drop of a run whose superficial gas velocity goes up (and down again), with what was measured.
+"""Draws the pressure drop of a run whose superficial gas velocity rises (and falls again), with the measured U_mf.
 
-`talcum analyse` splits the run into its ramps, fits Ergun's form to the packed bed and a plateau to the fluidised one
-(docs/analyse.md), and compares U_mf with the force balance by the case's drag law. Where it can give no value, the picture is
-drawn all the same, and says why.
+`talcum analyse` splits the run into its ramps, fits Ergun's form to the packed bed and a plateau to the fluidised bed
+(docs/analyse.md), and compares U_mf with the force balance by the case's drag law. If it can give no value, the figure is
+still drawn, and gives the reason.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ WAYS = {"up": (BLUE, "o"), "down": (ORANGE, "s")}
 
 
 def report(found: Analysis, way: str) -> str:
-    """The line of numbers of a ramp, or why there are none."""
+    """The line of numbers of a ramp, or the reason why there are none."""
     if f"u_mf.{way}" not in found.values:
         return f"{way}: no value can be given: {found.reasons.get(f'u_mf.{way}', 'not measured')}"
     named = {"plateau": "plateau", "overshoot": "overshoot", "solids_fraction": "phi", "balance": "force balance"}
@@ -50,7 +50,7 @@ def fitted(fit: dict[str, Array], highest: float) -> tuple[Array, Array]:
 
 
 def goes(velocity: Array, way: str, found: Analysis) -> bool:
-    """Whether a value is missed: of a run that only goes the other way, and has one there, it is not."""
+    """Whether a missing value matters: it does not if the run only ramps the other way and has a value there."""
     steps = np.diff(velocity) * (1.0 if way == "up" else -1.0)
     return bool(np.any(steps > 0.0)) or "u_mf" not in found.values
 
@@ -84,7 +84,7 @@ def draw(series: Series, found: Analysis):
 
 
 def main(command_line: list[str] | None = None) -> None:
-    """Has the program measure, prints, draws."""
+    """Measures with `talcum analyse`, prints and draws."""
     arguments = argument_parser(__doc__, "minimum_fluidisation.png").parse_args(command_line)
     found = analyse(arguments.results, ["u_mf"], arguments.start, arguments.end)
     for way in WAYS:

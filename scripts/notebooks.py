@@ -3,8 +3,8 @@
     .venv/bin/python scripts/notebooks.py [NAME ...]            compares, and prints the differences
     .venv/bin/python scripts/notebooks.py --write [NAME ...]    executes and stores: also after a change in the notebook
 
-Each is executed from its beginning in an empty folder. What a cell prints or shows as text must be what is stored; figures
-are not compared. Files that a notebook writes by `%%writefile` have the text of the book: --write puts it there.
+Each notebook is executed from its beginning in an empty folder. The text that a cell prints or shows must equal the stored text;
+figures are not compared. Files that a notebook writes by `%%writefile` have the text of the book; --write puts it there.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def fill_in(notebook: NotebookNode) -> None:
 
 
 def execute(notebook: NotebookNode, folder: Path) -> NotebookNode:
-    """A copy of the notebook with the outputs that its cells give in an empty folder; a cell that raises is an error."""
+    """A copy of the notebook with the outputs of its cells in an empty folder; a cell that raises is an error."""
     anew = copy.deepcopy(notebook)
     settings = {name: str(folder / "jupyter") for name in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR")}
     settings |= {"PYTHONPATH": str(ROOT / "python"), "TALCUM": program(), "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
@@ -97,7 +97,7 @@ def execute(notebook: NotebookNode, folder: Path) -> NotebookNode:
 
 
 def texts_of(cell: NotebookNode) -> list[str]:
-    """What a cell prints and shows as text. What is printed in several pieces is one text; a figure has none."""
+    """The text that a cell prints and shows. Text printed in several pieces is joined; a figure has no text."""
     texts: list[tuple[str, str]] = []
     for output in cell.get("outputs", []):
         if output.output_type == "stream":
@@ -113,14 +113,14 @@ def texts_of(cell: NotebookNode) -> list[str]:
 
 
 def differences(stored: NotebookNode, anew: NotebookNode) -> list[str]:
-    """What differs between the texts of two notebooks with the same cells."""
+    """The differences between the texts of two notebooks with the same cells."""
     found = []
     if [cell.source for cell in stored.cells] != [cell.source for cell in anew.cells]:
         return ["the cells are not the same"]
     for number, (before, after) in enumerate(zip(stored.cells, anew.cells), start=1):
         lines = [[line for text in texts_of(cell) for line in text.splitlines()] for cell in (before, after)]
         if lines[0] != lines[1]:
-            found += [f"cell {number}:", *difflib.unified_diff(*lines, "stored", "anew", lineterm="")]
+            found += [f"cell {number}:", *difflib.unified_diff(*lines, "stored", "executed", lineterm="")]
     return found
 
 
@@ -149,7 +149,7 @@ def tidied(notebook: NotebookNode) -> NotebookNode:
 
 
 def joined(outputs: list[NotebookNode]) -> list[NotebookNode]:
-    """Outputs of which what is printed in several pieces is one."""
+    """Outputs in which text printed in several pieces is joined."""
     kept: list[NotebookNode] = []
     for output in outputs:
         if kept and output.output_type == "stream" and kept[-1].get("name") == output.name:
@@ -172,7 +172,7 @@ def store(path: Path, folder: Path) -> None:
 
 
 def compare(path: Path, folder: Path) -> list[str]:
-    """What differs when a notebook is executed anew; a cell that raises, too."""
+    """The differences when a notebook is executed again; a cell that raises counts as one."""
     stored = read(path)
     try:
         return differences(stored, execute(stored, folder))
@@ -181,7 +181,7 @@ def compare(path: Path, folder: Path) -> list[str]:
 
 
 def main() -> int:
-    """Compares or stores; 1 if anything differs."""
+    """Compares or stores; returns 1 if anything differs."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help="notebooks, such as 1-case (default: all)")
     parser.add_argument("--write", action="store_true", help="store what the notebooks print and draw")

@@ -4,7 +4,7 @@
     from ovito_talcum import TalcumReader
     pipeline = import_file("results/CASE/particles.vtkhdf", input_format=TalcumReader)
 
-Tried with OVITO 3.17.2; from there a bed can be analysed and rendered as any other file of particles.
+This was tried with OVITO 3.17.2. A bed can then be analysed and rendered like any other file of particles.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ovito.data import DataCollection
 from ovito.io import FileReaderInterface
 
 STANDARD = {"id": "Particle Identifier", "velocity": "Velocity", "angular_velocity": "Angular Velocity", "radius": "Radius"}
-"""OVITO's names of what it knows; others keep their own."""
+"""OVITO's names of the datasets that it knows; other datasets keep their names."""
 
 
 class TalcumReader(FileReaderInterface):
@@ -51,7 +51,7 @@ class TalcumReader(FileReaderInterface):
                 particles.create_property(STANDARD.get(name, name), data=np.asarray(values[rows]))
             data.attributes["Time"] = float(root["Steps/Values"][frame_info])
             corner = root["Points"][rows].max(axis=0) if count else np.ones(3)
-            # The file has no box: that of the particles, from the origin, as boxes of Talcum begin.
+            # The file has no box, so the box of the particles is used, from the origin, where boxes of Talcum begin.
             matrix = np.zeros((3, 4))
             matrix[:, :3] = np.diag(np.maximum(corner, 1e-12))
             data.create_cell(matrix, pbc=(False, False, False))

@@ -1,7 +1,7 @@
-"""Draws a bed from the side: its particles, coloured by speed, vertical velocity, size, agglomerate, or what else snapshots show.
+"""Draws a bed from the side: its particles, coloured by speed, vertical velocity, size, agglomerate or another dataset of snapshots.
 
-Several times stand side by side (--panels); --animate makes a GIF of all times. Of a deep box the middle third along y is
-shown, as a section through the bed.
+--panels draws several times side by side; --animate makes a GIF of all times. If the box is deep, the script shows the middle
+third along y, as a section through the bed.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 MOST_CLASSES = 12
-"""With more numbers than these, a scale has marks of its own."""
+"""With more numbers than this, a colour scale is continuous."""
 SECTION_FROM = 8.0
-"""Depth of a bed along y, in mean diameters, from which on a section is shown."""
+"""Least depth of a bed along y, in mean diameters, for which a section is shown."""
 
 
 @dataclass
 class Snapshot:
-    """Particles at one time: a row of x and z, a diameter, and what colours them."""
+    """Particles at one time: a row of x and z, a diameter, and the value that colours each."""
 
     time: float
     place: Array
@@ -53,7 +53,7 @@ class Snapshot:
 
 @dataclass
 class Bed:
-    """The snapshots of a run, and what their colours mean."""
+    """The snapshots of a run, and the meaning of their colours."""
 
     snapshots: list[Snapshot]
     label: str
@@ -62,13 +62,13 @@ class Bed:
 
     @cached_property
     def values(self) -> Array:
-        """What colours the particles of all snapshots, where there is something."""
+        """The values that colour the particles of all snapshots, without NaN."""
         values = np.concatenate([snapshot.value for snapshot in self.snapshots])
         return values[np.isfinite(values)]
 
     @cached_property
     def sizes(self) -> Array:
-        """The diameters, ascending, where colours stand for a few of them; else none."""
+        """The diameters, ascending, if colours stand for a few of them; otherwise none."""
         sizes = np.unique(self.values) if self.are_diameters else self.values[:0]
         return sizes if 2 <= len(sizes) <= MOST_CLASSES else sizes[:0]
 
@@ -79,7 +79,7 @@ class Bed:
 
     @cached_property
     def limits(self) -> tuple[float, float]:
-        """The range of the colours, but for a few fast particles."""
+        """The range of the colours, except for a few fast particles."""
         if len(self.values) == 0:
             return 0.0, 1.0
         if len(self.sizes) > 0:
@@ -91,12 +91,12 @@ class Bed:
         return float(low), float(high if high > low else low + 1.0)
 
     def coloured(self, value: Array) -> Array:
-        """What the colours show of the values of a snapshot: of a few sizes their number."""
+        """The values of a snapshot that colours show; for a few sizes, the number of the size."""
         return np.searchsorted(self.sizes, value).astype(float) if len(self.sizes) > 0 else value
 
 
 def value_of(data: h5py.Group, rows: slice, colour: str, file: Path) -> Array:
-    """What colours the particles of a snapshot."""
+    """The values that colour the particles of a snapshot."""
     if colour == "speed":
         return np.linalg.norm(data["velocity"][rows], axis=1)
     if colour == "rise":
@@ -105,10 +105,10 @@ def value_of(data: h5py.Group, rows: slice, colour: str, file: Path) -> Array:
         return 2.0 * data["radius"][rows]
     if colour not in data:
         shown = ", ".join(["speed", "rise", "size", *sorted(data)])
-        raise ResultsError(f"{file}: shows no {colour}, only {shown}: see output.particle_fields and output.agglomerates")
+        raise ResultsError(f"{file}: has no {colour}, only {shown}: see output.particle_fields and output.agglomerates")
     values = data[colour][rows]
     if colour == "agglomerate":
-        # Neighbouring numbers in colours far apart; what is in none is left grey.
+        # Neighbouring numbers get distant colours; particles in no agglomerate are left grey.
         return np.where(values < 0, np.nan, values * 7 % 20)
     return values.astype(float) if values.ndim == 1 else np.linalg.norm(values, axis=1)
 
@@ -136,7 +136,7 @@ def read_bed(folder: Path, colour: str, start: float | None, end: float | None) 
 
 
 def label_of(data: h5py.Group, colour: str, length: str) -> str:
-    """What stands beside the colours."""
+    """The label of the colours."""
     speed = data["velocity"].attrs["unit"]
     labels = {"speed": ("speed", speed), "rise": ("vertical velocity", speed), "size": ("diameter", length)}
     name, unit = labels.get(colour) or (colour.replace("_", " "), data[colour].attrs["unit"])
@@ -157,7 +157,7 @@ def are_numbers_of_few(values: Array) -> bool:
 
 
 def frame(bed: Bed) -> tuple[float, float, float]:
-    """What is shown: from and to along x, and up to which height, but for a few particles that fly far above."""
+    """The part that is shown: limits along x, and the height, except for a few particles that fly far above."""
     x = np.concatenate([snapshot.place[:, 0] for snapshot in bed.snapshots])
     z = np.concatenate([snapshot.place[:, 1] for snapshot in bed.snapshots])
     margin = 0.5 * bed.snapshots[0].diameter.max(initial=0.0)
@@ -178,13 +178,13 @@ def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
 
 
 def class_colours(count: int) -> Colormap:
-    """A colour for each of so many classes, neighbours far apart where there are few."""
+    """A colour for each of `count` classes; if there are few, neighbours differ strongly."""
     few = colormaps["Set2"].colors
     return ListedColormap(few[:count]) if count <= len(few) else colormaps["viridis"].resampled(count)
 
 
 def empty_panels(bed: Bed, count: int) -> tuple[Figure, Array]:
-    """Panels for so many snapshots side by side."""
+    """Panels for `count` snapshots side by side."""
     left, right, top = frame(bed)
     tall = top / (right - left)
     width = min(max(4.5 / tall, 1.8), 9.0 if count == 1 else 5.0)
@@ -199,7 +199,7 @@ def empty_panels(bed: Bed, count: int) -> tuple[Figure, Array]:
 
 
 def draw(bed: Bed, count: int) -> Figure:
-    """So many of the snapshots side by side, evenly spread, the last among them."""
+    """Draws `count` of the snapshots side by side, evenly spread and including the last."""
     places = np.unique(np.linspace(len(bed.snapshots) - 1, 0, count).round().astype(int)) if count > 1 else [-1]
     shown = [bed.snapshots[place] for place in places]
     figure, panels = empty_panels(bed, len(shown))
@@ -213,7 +213,7 @@ def draw(bed: Bed, count: int) -> Figure:
 
 
 def animate(bed: Bed, file: Path) -> None:
-    """A GIF of all snapshots, twelve a second."""
+    """Makes a GIF of all snapshots, with twelve frames a second."""
     figure, panels = empty_panels(bed, 1)
     panel = panels[0, 0]
     figure.colorbar(spheres(panel, bed.snapshots[0], bed), ax=panel, location="right", label=bed.label)
@@ -235,7 +235,7 @@ def parser() -> argparse.ArgumentParser:
     options = argument_parser(__doc__, "particles.png")
     meaning = "what colours the particles: speed, rise, size, agglomerate, or another dataset of the file (default: speed)"
     options.add_argument("--colour", default="speed", metavar="NAME", help=meaning)
-    options.add_argument("--panels", type=int, default=1, metavar="N", help="times side by side (default: the last alone)")
+    options.add_argument("--panels", type=int, default=1, metavar="N", help="times side by side (default: only the last)")
     options.add_argument("--animate", type=Path, metavar="FILE", help="make a GIF of all times as well")
     return options
 

@@ -68,7 +68,7 @@ PANELS = [
 
 
 def draw_panel(panel, series: Series, scale: str, lines: list[tuple[str, str, str]]) -> None:
-    """One panel over time; on a logarithmic scale absolute values, and no zeros."""
+    """Draws one panel over time; on a logarithmic scale it shows absolute values and no zeros."""
     drawn = 0
     for name, words, colour in lines:
         values = series[name]
@@ -100,7 +100,7 @@ def draw(series: Series):
 
 
 def summary(series: Series) -> str:
-    """A line of numbers: the last row, and the means of what fluctuates."""
+    """A line of numbers: the range of times, and means of fluctuating columns."""
     means = [
         f"mean {words} {np.nanmean(series[name]):.4g}"
         for name, words in [

@@ -1,7 +1,7 @@
 """Draws the solids fraction over height and time, with the rays of the waves where they were measured.
 
-`talcum analyse` measures (docs/analyse.md); its numbers are printed. Each line is a ray of the measured speed in the window
-of height and time in which it was measured; a front between waves and still bed is dotted if it moves.
+`talcum analyse` takes the measurements (docs/analyse.md), and the script prints its numbers. Each line is a ray with the measured
+speed, in the window of height and time in which it was measured. A moving front between waves and still bed is dotted.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from matplotlib import colormaps
 
 NUMBERS = ("speed", "period", "wavelength", "amplitude", "void_speed", "front_speed", "share", "swept_share", "frozen_share", "plug_share")
 FREEBOARD = 0.02  # solids fraction below which nothing is drawn
-FRONT_MOVES = 3.0  # standard errors of its speed from which on a front is drawn: below, it may as well stand still, or be chance
+FRONT_MOVES = 3.0  # a front is drawn from so many standard errors of its speed on; below, it may stand still or be chance
 
 
 def describe(found: Analysis) -> str:
-    """The lines that are printed: the state of the bed, then its numbers."""
+    """The lines to print: the wave speed, the state of the bed, and the other numbers."""
     reason = found.reasons.get("waves.state")
     if reason:
         return f"nothing measured: {reason}"
@@ -62,7 +62,7 @@ def rays(windows: dict[str, Array]) -> list[tuple[list[float], list[float]]]:
 
 
 def scale(profiles: Profiles) -> tuple[float, float]:
-    """The solids fractions between which colours change: nearly all that are in the bed."""
+    """The solids fractions between which colours change, which cover nearly all of the bed."""
     inside = profiles.solids_fraction[profiles.solids_fraction > FREEBOARD]
     low, high = np.percentile(inside, [2.0, 99.5]) if len(inside) else (0.0, 0.65)
     return (float(low), float(high)) if high - low > 0.02 else (float(low) - 0.05, float(high) + 0.05)
@@ -91,7 +91,7 @@ def draw(profiles: Profiles, found: Analysis, top: float | None, colours: str, p
 
 
 def speed_of_waves(found: Analysis) -> str:
-    """The speed; where a record has too few windows for an error, that of single voids too, which has one."""
+    """The speed; if a record has too few windows for its error, the speed of single voids too, which has an error."""
     speed = found.text("waves.speed")
     if "waves.speed" in found.errors or "waves.void_speed" not in found.errors:
         return speed
@@ -121,12 +121,12 @@ def draw_measured(panel, found: Analysis) -> None:
 
 
 def main(command_line: list[str] | None = None) -> None:
-    """Has the program measure, prints, draws."""
+    """Measures with `talcum analyse`, prints and draws."""
     parser = argument_parser(__doc__, "spacetime.png")
-    parser.add_argument("--height", type=float, metavar="Z", help="top of the picture (default: top of the bed)")
+    parser.add_argument("--height", type=float, metavar="Z", help="top of the figure (default: top of the bed)")
     parser.add_argument(
-        "--colours", default="YlGnBu", help="a colour map of matplotlib; perceptually uniform are "
-        "viridis, cividis, gray_r"
+        "--colours", default="YlGnBu", help="a colour map of matplotlib; viridis, cividis and "
+        "gray_r are perceptually uniform"
     )  # fmt: skip
     arguments = parser.parse_args(command_line)
     if arguments.colours not in colormaps:

@@ -1,6 +1,6 @@
-"""Figures as they are stored in the repository: few pixels and few colours, but greys stay grey.
+"""Stores figures in the repository with few pixels and few colours, in which greys stay grey.
 
-    .venv/bin/python scripts/stored_figures.py FIGURE ...     stores PNG files anew, 1,000 pixels wide and 1,200 high at most
+    .venv/bin/python scripts/stored_figures.py FIGURE ...     stores PNG files again, at most 1,000 pixels wide and 1,200 high
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from PIL import Image
 WIDEST, HIGHEST = 1000, 1200
 """Pixels of the figures of the book."""
 COLOURS = 256
-"""Those of a palette."""
+"""Colours of a palette."""
 FREQUENT = 8
 """The most frequent colours, such as white, are kept as they are."""
 GREYS = 64
 """Levels of grey of a palette of all colours: a grey is stored within two of its 255 levels, within four in one of half as many."""
 STEEPEST = 3
-"""What differs by so little between red, green and blue is grey: smoothing mixes a little colour into it."""
+"""A colour whose red, green and blue differ by so little counts as grey: smoothing mixes a little colour into greys."""
 
 
 def smaller(figure: Image.Image, widest: int = WIDEST, colours: int = COLOURS) -> Image.Image:
-    """A figure with no more than so many pixels across, HIGHEST upwards, and so many colours."""
+    """A figure that is no wider than a number of pixels, no higher than HIGHEST, and has a number of colours."""
     flat = figure.convert("RGB")
     scale = min(1.0, widest / flat.width, HIGHEST / flat.height)
     if scale < 1.0:
@@ -33,9 +33,9 @@ def smaller(figure: Image.Image, widest: int = WIDEST, colours: int = COLOURS) -
 
 
 def with_palette(figure: Image.Image, count: int = COLOURS) -> Image.Image:
-    """A figure in few colours that stand for all. A colour counts by the root of its area, so that small colour bars stay
-    smooth; the most frequent, such as white, are kept as they are. Greys have a part of the palette to themselves: chosen
-    like other colours they would be tinted, and voidage is drawn in greys."""
+    """A figure in a few representative colours. A colour counts by the root of its area, so that small colour bars stay
+    smooth; the most frequent, such as white, are kept as they are. Greys have their own part of the palette: if they were
+    chosen like other colours, they would be tinted, and voidage is drawn in greys."""
     pixels = np.asarray(figure).reshape(-1, 3)
     colours, places, areas = np.unique(pixels, axis=0, return_inverse=True, return_counts=True)
     is_grey = np.ptp(colours.astype(int), axis=1) <= STEEPEST
@@ -54,7 +54,7 @@ def with_palette(figure: Image.Image, count: int = COLOURS) -> Image.Image:
 
 
 def most_telling(colours: np.ndarray, areas: np.ndarray, count: int) -> np.ndarray:
-    """So many colours at most that stand for others, each of which counts by the root of its area."""
+    """At most `count` representative colours, where each colour counts by the root of its area."""
     if len(colours) == 0:
         return np.zeros((0, 3), int)
     counted = Image.fromarray(np.repeat(colours, np.ceil(np.sqrt(areas)).astype(int), axis=0)[np.newaxis])
@@ -62,7 +62,7 @@ def most_telling(colours: np.ndarray, areas: np.ndarray, count: int) -> np.ndarr
 
 
 def store(picture: Path, widest: int = WIDEST) -> None:
-    """Stores a PNG file anew."""
+    """Stores a PNG file again."""
     with Image.open(picture) as figure:
         stored = smaller(figure, widest)
     stored.save(picture, "PNG", optimize=True)

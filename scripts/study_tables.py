@@ -12,7 +12,7 @@ from talcum_results import ResultsError, optional, split_heading
 
 @dataclass
 class Estimate:
-    """A mean over the seeds with its interval of confidence, and how many seeds gave a value."""
+    """A mean over the seeds with its confidence interval, and the number of seeds that gave a value."""
 
     mean: float
     lower: float
@@ -33,7 +33,7 @@ class Estimate:
 
 @dataclass
 class StudyTable:
-    """Rows of a table by their headings, without units, and what stands in the comment lines above them."""
+    """Rows of a table by their headings, without units, and the comment lines above them."""
 
     file: Path
     provenance: dict[str, str]
@@ -52,7 +52,7 @@ class StudyTable:
         return row[name]
 
     def numbers(self, name: str) -> list[float]:
-        """A column as numbers; what is empty is not a number."""
+        """A column as numbers; empty cells are NaN."""
         return [number_of(self.cell(row, name)) for row in self.rows]
 
     def texts(self, name: str) -> list[str]:
@@ -60,13 +60,13 @@ class StudyTable:
         return [self.cell(row, name) for row in self.rows]
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame; a column is of numbers if all its cells are, but for empty ones, which are not a number."""
+        """A pandas.DataFrame; a column holds numbers if all its cells do, except empty ones, which become NaN."""
         frame = optional("pandas", "to_pandas").DataFrame({name: self.column(name) for name in self.units})
         frame.attrs["units"] = dict(self.units)
         return frame
 
     def column(self, name: str) -> list[float] | list[str]:
-        """A column as numbers, or as texts if some of its cells are none."""
+        """A column as numbers, or as texts if some of its cells are not numbers."""
         try:
             return self.numbers(name)
         except ValueError:
@@ -85,12 +85,12 @@ class StudyTable:
 
 
 def shortly(number: float) -> str:
-    """A number to three digits, from a thousand on to the whole."""
+    """A number to three digits; from a thousand on, a whole number."""
     return f"{number:,.0f}" if abs(number) >= 1000.0 else f"{number:.3g}"
 
 
 def number_of(text: str) -> float:
-    """A number, or not a number for an empty cell."""
+    """A number, or NaN for an empty cell."""
     return float(text) if text else float("nan")
 
 
@@ -106,7 +106,7 @@ def read_study_table(file: Path) -> StudyTable:
     except (OSError, UnicodeDecodeError) as error:
         raise ResultsError(f"{file}: cannot be read: {error}") from error
     notes = [line[2:].split(": ", 1) for line in lines if line.startswith("# ")]
-    # Of several lines of one name, such as the measures, the first counts.
+    # If several lines have one name, such as those of the measures, the first counts.
     provenance = {note[0]: note[-1] for note in reversed(notes)}
     table = list(csv.reader(line for line in lines if not line.startswith("#")))
     if not table:
@@ -126,7 +126,7 @@ def table_of_rows(file: Path, provenance: dict[str, str], rows: list[dict[str, s
 
 
 def write_study_table(table: StudyTable, file: Path) -> None:
-    """Writes a table, with what is known of where it comes from above it."""
+    """Writes a table, with its provenance above it."""
     heads = [f"{name} [{unit}]" if unit else name for name, unit in table.units.items()]
     lines = [f"# {name}: {value}" for name, value in table.provenance.items()]
     lines += [",".join(heads), *(",".join(row[name] for name in table.units) for row in table.rows)]

@@ -1,6 +1,6 @@
-"""Reads what a run of talcum leaves in its output folder, and holds what its drawing scripts share.
+"""Reads the results of a run of talcum, and holds the functions that its drawing scripts share.
 
-A run that is still going on can be read: a last row that is only half written is left out.
+A run in progress can be read: a last row that is only half written is left out.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ BLUE, ORANGE, GREEN, RED, BLACK, GREY = "#0072b2", "#e69f00", "#009e73", "#d55e0
 
 
 class ResultsError(Exception):
-    """What is wrong with the results or with the wish, in words for the user."""
+    """An error in the results or in the arguments, with a message for the user."""
 
 
 @dataclass
@@ -104,7 +104,7 @@ class Profiles:
 
 
 def optional(library: str, purpose: str) -> Any:
-    """A library that only some need, or an error that says what for."""
+    """A library that only some functions need, or an error that names the purpose."""
     try:
         return import_module(library)
     except ImportError as missing:
@@ -113,7 +113,7 @@ def optional(library: str, purpose: str) -> Any:
 
 
 def rows_between(time: Array, start: float | None, end: float | None) -> Array:
-    """Marks the rows with start <= time <= end; an error if there are none."""
+    """Marks the rows with start <= time <= end; raises an error if there are none."""
     rows = np.ones(len(time), dtype=bool)
     if start is not None:
         rows &= time >= start
@@ -121,12 +121,12 @@ def rows_between(time: Array, start: float | None, end: float | None) -> Array:
         rows &= time <= end
     if not rows.any():
         last = f"{time[0]:g} to {time[-1]:g}" if len(time) else "none"
-        raise ResultsError(f"no results between times {start} and {end}; there are results of times {last}")
+        raise ResultsError(f"no results between times {start} and {end}; there are results at times {last}")
     return rows
 
 
 def axis_label(words: str, unit: str) -> str:
-    """Words with a unit in square brackets; a pure number has none."""
+    """Words with a unit in square brackets; a pure number has no unit."""
     return words if unit in ("", "1") else f"{words} [{unit}]"
 
 
@@ -147,7 +147,7 @@ def result_file(path: Path, name: str) -> Path:
 
 
 def results_folder(path: Path) -> Path:
-    """The folder that pictures are put into if no other place is named."""
+    """The folder in which figures are put by default."""
     return path if path.is_dir() else path.parent
 
 
@@ -158,7 +158,7 @@ def split_heading(heading: str) -> tuple[str, str]:
 
 
 def complete_lines(file: Path) -> list[str]:
-    """The lines of a text file without a last one that is not finished."""
+    """The lines of a text file, without an unfinished last line."""
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as reason:
@@ -181,7 +181,7 @@ def read_series(path: Path) -> Series:
 
 
 def series_table(file: Path, rows: list[list[str]], width: int) -> Array:
-    """Turns the rows of a series into numbers; says which row cannot be read."""
+    """Turns the rows of a series into numbers; an error names a row that cannot be read."""
     table = np.empty((len(rows), width))
     for index, row in enumerate(rows):
         try:
@@ -199,7 +199,7 @@ def read_profiles(path: Path) -> Profiles:
         with h5py.File(file, "r", locking=False) as contents:
             profiles = profiles_of(file, contents)
     except OSError as reason:
-        words = "is damaged, no HDF5 file, or being written at this moment (then try again)"
+        words = "is damaged, is not an HDF5 file, or is being written at this moment (then try again)"
         raise ResultsError(f"{file}: {words}: {reason}") from reason
     if len(profiles.time) == 0:
         raise ResultsError(f"{file}: holds no results yet")
@@ -225,19 +225,19 @@ def profiles_of(file: Path, contents: h5py.File) -> Profiles:
 
 
 def numbers_of(file: Path, dataset: Any, dimensions: int) -> Array:
-    """A dataset of numbers that has so many dimensions."""
+    """A dataset of numbers with a given number of dimensions."""
     if not isinstance(dataset, h5py.Dataset) or dataset.ndim != dimensions or dataset.dtype.kind not in NUMBERS:
-        words = f"is no array of numbers with {dimensions} dimension{'s' if dimensions > 1 else ''}"
+        words = f"is not an array of numbers with {dimensions} dimension{'s' if dimensions > 1 else ''}"
         raise ResultsError(f"{file}: {dataset.name} {words}; is it a profiles.h5 of talcum?")
     return np.asarray(dataset[...], dtype=float)
 
 
 def snapshot_times(vtkhdf: Any) -> Array:
-    """The times of a file of VTKHDF; the number of them is written last, when all else is there."""
+    """The times in a VTKHDF file; their number is written last, when everything else is complete."""
     steps = vtkhdf["Steps"]
     times = np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
     if times.ndim != 1:
-        raise ValueError(f"{steps.name}/Values is no list of times")
+        raise ValueError(f"{steps.name}/Values is not a list of times")
     return times
 
 
@@ -257,7 +257,7 @@ def text_of(value: Any) -> Any:
 
 
 def read_case(profiles: Profiles | None, path: Path) -> dict[str, Any]:
-    """The case that was run, from the profiles or from `case.toml`; empty if it cannot be had."""
+    """The case that was run, from the profiles or from `case.toml`; empty if neither has it."""
     try:
         import tomllib
     except ImportError:  # Python before 3.11
@@ -274,7 +274,7 @@ def read_case(profiles: Profiles | None, path: Path) -> dict[str, Any]:
 
 @dataclass
 class Analysis:
-    """What `talcum analyse` found: numbers and texts by their names, why others are missing, and tables of columns."""
+    """The results of `talcum analyse`: numbers and texts by their names, reasons for missing ones, and tables of columns."""
 
     values: dict[str, float | str]
     errors: dict[str, float]
@@ -283,7 +283,7 @@ class Analysis:
     tables: dict[str, dict[str, Array]]
 
     def text(self, name: str) -> str:
-        """A number with its error and unit, to be printed; the reason in brackets if there is none."""
+        """A number with its error and unit, as text; if there is none, the reason in brackets."""
         if name not in self.values:
             return f"none ({self.reasons.get(name, 'not measured')})"
         value, error, unit = self.values[name], self.errors.get(name), self.units.get(name, "1")
@@ -293,27 +293,27 @@ class Analysis:
         return shown if unit == "1" else f"{shown} {unit}"
 
     def number(self, name: str) -> float:
-        """A number, or not a number if there is none."""
+        """A number, or NaN if there is none."""
         value = self.values.get(name, np.nan)
         return float(value) if isinstance(value, float) else np.nan
 
 
 def program() -> str:
-    """The program talcum: TALCUM of the environment, or what was built in this repository, or what is installed."""
+    """The path of talcum: the environment variable TALCUM, or the program built in this repository, or the installed one."""
     beside = shutil.which("talcum", path=sysconfig.get_path("scripts"))  # where pip puts it
     target = Path(__file__).resolve().parent.parent / "target"
     built = [path for path in (target / "release/talcum", target / "debug/talcum") if path.is_file()]
     newest = max(built, key=lambda path: path.stat().st_mtime, default=None)
     found = os.environ.get("TALCUM") or (str(newest) if newest else beside or shutil.which("talcum"))
     if not found:
-        places = "the environment variable TALCUM, target/ of this clone, beside Python, PATH"
+        places = "the environment variable TALCUM, target/ of this clone, next to Python, PATH"
         words = f"there is no program talcum (looked for in: {places})"
         raise ResultsError(f"{words}: pip install the package, or cargo build --release, or set TALCUM to its path")
     return found
 
 
 def analyse(results: Path, measures: list[str], start: float | None = None, end: float | None = None) -> Analysis:
-    """Has the program measure on a folder of results, between two times; what it finds."""
+    """Measures on a folder of results, between two times, with `talcum analyse`."""
     if not results.is_dir():
         raise ResultsError(f"{results}: there is no such folder; name the output folder of a run")
     command = [program(), "analyse"]
@@ -321,7 +321,7 @@ def analyse(results: Path, measures: list[str], start: float | None = None, end:
     command += [f"--from={float(start)!r}"] if start is not None else []
     command += [f"--to={float(end)!r}"] if end is not None else []
     with tempfile.TemporaryDirectory() as folder:
-        # Behind two dashes a folder is no option, whatever its name.
+        # After two dashes a folder is not taken for an option, whatever its name.
         ended = subprocess.run([*command, "--output", folder, "--", str(results)], capture_output=True, text=True)
         if ended.returncode != 0:
             raise ResultsError(ended.stderr.strip().removeprefix("error: ") or "talcum analyse failed")
@@ -357,7 +357,7 @@ def table_of(name: str, item: Any) -> dict[str, dict[str, Array]]:
 
 
 def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 5.5)) -> tuple[Figure, Array]:
-    """A figure with panels in rows and columns, and one look for all scripts.
+    """A figure with panels in rows and columns, in the common style of all scripts.
 
     It is made without pyplot, so that no window is opened and a notebook's figures stay as they are.
     """
@@ -378,7 +378,7 @@ def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0
 
 
 def draw_spheres(panel: Any, centres: Array, diameters: Array, values: Array) -> EllipseCollection:
-    """Spheres of their true size in a panel, coloured by values; grey where there is none."""
+    """Spheres of their true size in a panel, coloured by values; a sphere without a value is grey."""
     from matplotlib import colormaps
     from matplotlib.collections import EllipseCollection
 
@@ -391,7 +391,7 @@ def draw_spheres(panel: Any, centres: Array, diameters: Array, values: Array) ->
 
 
 def save_figure(figure: Figure, picture: Path) -> None:
-    """Writes a figure to a file beside its name first, so that no half a picture is ever seen."""
+    """Writes a figure under another name first, so that nobody sees half of it."""
     beside = picture.with_name(f".{os.getpid()}-{picture.name}")
     try:
         figure.savefig(beside, dpi=150, bbox_inches="tight")
@@ -399,7 +399,7 @@ def save_figure(figure: Figure, picture: Path) -> None:
     except (OSError, ValueError) as reason:
         beside.unlink(missing_ok=True)
         raise ResultsError(f"{picture}: cannot be written: {reason}") from reason
-    print(f"picture: {picture}")
+    print(f"figure: {picture}")
 
 
 def argument_parser(description: str, picture: str) -> argparse.ArgumentParser:
@@ -408,25 +408,25 @@ def argument_parser(description: str, picture: str) -> argparse.ArgumentParser:
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("results", type=Path, help="output folder of a run")
-    parser.add_argument("--from", dest="start", type=float, metavar="TIME", help="leave out what came before")
-    parser.add_argument("--to", dest="end", type=float, metavar="TIME", help="leave out what came after")
-    parser.add_argument("--output", type=Path, metavar="FILE", help=f"the picture (default: RESULTS/{picture})")
+    parser.add_argument("--from", dest="start", type=float, metavar="TIME", help="leave out earlier times")
+    parser.add_argument("--to", dest="end", type=float, metavar="TIME", help="leave out later times")
+    parser.add_argument("--output", type=Path, metavar="FILE", help=f"the figure (default: RESULTS/{picture})")
     return parser
 
 
 def picture_of(arguments: argparse.Namespace, name: str) -> Path:
-    """Where the picture goes: --output, or `name` in the results folder."""
+    """The path of the figure: --output, or `name` in the results folder."""
     return arguments.output or results_folder(arguments.results) / name
 
 
 def run_script(main: Callable[[list[str] | None], None]) -> NoReturn:
-    """Runs a script's main function; errors go to the user in words, with exit code 1."""
+    """Runs a script's main function; an error is printed as a message, with exit code 1."""
     try:
         main(None)
         sys.stdout.flush()
     except ResultsError as error:
         sys.exit(f"error: {error}")
     except BrokenPipeError:
-        # A reader that has gone, as `head` does, misses nothing; Python would complain once more as it ends.
+        # The reader, for example `head`, has closed the pipe; Python would otherwise report this once more at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(0)

@@ -45,7 +45,7 @@ class TestFluidisedBed(ScriptTest):
     def test_members_of_agglomerates(self) -> None:
         members = fluidised_bed.members_of(np.array([4, -1, 7, 4, -1, 4]))
         np.testing.assert_array_equal(members, [3.0, np.nan, 1.0, 3.0, np.nan, 3.0])
-        with self.assertRaisesRegex(ResultsError, "shows no agglomerates: see output.agglomerates"):
+        with self.assertRaisesRegex(ResultsError, "has no agglomerates: see output.agglomerates"):
             self.call(fluidised_bed, "--colour", "members")
         with h5py.File(self.folder / "particles.vtkhdf", "r+") as file:
             file["VTKHDF/PointData/agglomerate"] = np.tile([0, 0], 3)

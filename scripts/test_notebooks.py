@@ -1,4 +1,4 @@
-"""Tests of the notebooks: each is executed anew and gives the text that is stored in it; and of what compares them."""
+"""Tests of the notebooks, each of which is executed again and gives its stored text; and tests of the comparison."""
 
 from __future__ import annotations
 
@@ -177,7 +177,7 @@ class TestComparing(unittest.TestCase):
         path = self.stored(self.notebook("print(1)", "import talcum\ntalcum.open('nowhere')"))
         found = compare(path, self.run_in("run"))
         self.assertIn("a cell raises", found[0])
-        self.assertIn("nowhere: is no folder of results", found[0])
+        self.assertIn("nowhere: is not a folder of results", found[0])
 
     def test_pieces_and_figures_make_no_difference(self) -> None:
         stored, anew = self.notebook("x"), self.notebook("x")

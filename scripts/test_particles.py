@@ -37,7 +37,7 @@ class TestParticles(ScriptTest):
         self.assertEqual(last("size"), [1.0, 0.5])
         self.assertEqual(last("mass"), [3.0, 4.0])
         self.assertEqual(last("force"), [5.0, 0.0])
-        with self.assertRaisesRegex(ResultsError, "shows no agglomerate, only speed, rise, size, class, force, mass"):
+        with self.assertRaisesRegex(ResultsError, "has no agglomerate, only speed, rise, size, class, force, mass"):
             last("agglomerate")
 
     def test_classes_have_whole_marks_and_outlines(self) -> None:

@@ -164,7 +164,7 @@ class TestCycle(ScriptTest):
         self.write(3.0, 0.16)
         with self.assertRaisesRegex(ResultsError, "cycles; at least 2"):
             self.call(cycle, "--to", "10")
-        with self.assertRaisesRegex(ResultsError, "no sine of frequency"):
+        with self.assertRaisesRegex(ResultsError, "not a sine of frequency"):
             self.call(cycle, "--frequency", "0.3")
 
 if __name__ == "__main__":

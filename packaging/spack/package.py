@@ -32,7 +32,7 @@ class Talcum(CargoPackage):
 
     @property
     def build_args(self):
-        """The versions of Cargo.lock, which a release is tested with."""
+        """The versions of Cargo.lock, with which a release is tested."""
         return ["--locked"]
 
     @run_after("install")

@@ -1,4 +1,4 @@
-"""Talcum from Python: check and run cases, and read and draw what runs leave.
+"""Talcum from Python: check and run cases, and read and draw their results.
 
     import talcum
 
@@ -18,7 +18,7 @@ docs/python.md of the repository describes it. The modules that draw are also pr
 | `talcum.fluidised_bed` | a section through particles and gas |
 | `talcum.contact_loop` | what `talcum contact` prints |
 
-`talcum.spacetime` is `scripts/spacetime.py` of the repository, and so on; `talcum_results` has what they share.
+`talcum.spacetime` is `scripts/spacetime.py` of the repository, and so on; they share the module `talcum_results`.
 """
 
 from __future__ import annotations

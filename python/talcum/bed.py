@@ -34,15 +34,15 @@ FileName = Union[str, "PathLike[str]", None]
 
 
 class Bed:
-    """A folder of results, also of a run that goes on.
+    """A folder of results, also of a run in progress.
 
-    Each property reads its file anew, so keep in a variable what you use twice.
+    Each property reads its file again each time, so keep results that you use twice in a variable.
     """
 
     def __init__(self, folder: Union[str, PathLike[str]]) -> None:
         self.folder = Path(folder)
         if not (self.folder / "case.toml").is_file():
-            raise ResultsError(f"{self.folder}: is no folder of results: there is no case.toml in it")
+            raise ResultsError(f"{self.folder}: is not a folder of results: there is no case.toml in it")
 
     def __repr__(self) -> str:
         return f"<Bed of {self.folder}>"
@@ -60,12 +60,12 @@ class Bed:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the run has come to its end, or to `until`, and has not gone on from there."""
+        """Whether the run has reached its end, or `until`, and has not been continued from there."""
         return (self.folder / "complete").is_file()
 
     @property
     def digest(self) -> str:
-        """The digest of the newest checkpoint, as `talcum info` prints it: in a complete run that of the end."""
+        """The digest of the newest checkpoint, as `talcum info` prints it; in a complete run this is the digest of the end."""
         return read_hdf5(self.newest_checkpoint, lambda contents: str(attributes(contents)["digest"]))
 
     @property
@@ -116,9 +116,9 @@ class Bed:
         return require(self.folder / "particles.vtkhdf", "output.particles")
 
     def particles(self, time: float | None = None, exact: bool = False) -> Particles:
-        """The particles of the snapshot nearest to a time (its own is `.time`), the last by default.
+        """The particles of the snapshot nearest to a time, the last by default; `.time` is the time of the snapshot.
 
-        With `exact`, another time than the wanted one is an error.
+        With `exact`, any other time than the wanted one is an error.
         """
         return read_particles(self._snapshots, time, exact)
 
@@ -146,7 +146,7 @@ class Bed:
         return read_fields(require(self.folder / f"measure-{name}.vtkhdf", f"[measure.{name}] on cells"), time, exact)
 
     def agglomerates(self, measure: str | None = None) -> Measure:
-        """The tables of the measure of kind agglomerates; `measure` names it where there are several."""
+        """The tables of the measure of kind agglomerates; `measure` names it if there are several."""
         return self.measure(self._of_kind("agglomerates", measure))
 
     def contacts(
@@ -155,7 +155,7 @@ class Bed:
         """The touching pairs at the time nearest to the given one, the last by default.
 
         They come from the measure of kind contacts (with forces), or from the nearest checkpoint (with histories) if
-        there is no such measure or `checkpoint` is true. `measure` names the measure where there are several.
+        there is no such measure or `checkpoint` is true. `measure` names the measure if there are several.
         """
         if checkpoint or (measure is None and "contacts" not in self.measures.values()):
             return self._checkpoint_contacts(time, exact)
@@ -192,11 +192,11 @@ class Bed:
         return names[0]
 
     def analyse(self, measures: Sequence[str], start: float | None = None, end: float | None = None) -> Analysis:
-        """Has `talcum analyse` measure between two times: `bed.analyse(["waves"]).number("waves.speed")`."""
+        """Measures between two times with `talcum analyse`: `bed.analyse(["waves"]).number("waves.speed")`."""
         return talcum_results.analyse(self.folder, list(measures), start, end)
 
     def plot_series(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
-        """Draws numbers over time. All `plot_` methods return the file drawn, by default one in the folder of results."""
+        """Draws numbers over time. All `plot_` methods return the path of the figure, by default in the folder of results."""
         return self._draw("series", "series.png", file, start, end)
 
     def plot_spacetime(
@@ -223,7 +223,7 @@ class Bed:
         colour: str = "speed",
         panels: int = 1,
     ) -> Path:
-        """Draws the particles from the side at so many times side by side, by default the last alone.
+        """Draws the particles from the side, at `panels` times side by side; by default only at the last time.
 
         `colour` is speed, rise (vertical velocity), size, or the name of a column such as agglomerate or class.
         """
@@ -237,7 +237,7 @@ class Bed:
     def _draw(
         self, module: str, name: str, file: FileName, start: float | None, end: float | None, *options: str
     ) -> Path:
-        """Calls a module that draws; what it prints is left out, and matplotlib's settings stay as they were."""
+        """Calls a module that draws, without its printed output; matplotlib's settings stay as they were."""
         matplotlib = optional("matplotlib", "a drawing")
         place = self.folder / name if file is None else Path(file)
         words = [str(self.folder), f"--output={place}", *options]
@@ -256,5 +256,5 @@ def toml_reader() -> Any:
 
 
 def open_bed(folder: Union[str, PathLike[str]]) -> Bed:
-    """Opens the folder of a run, also while the run goes on."""
+    """Opens the folder of a run, also while it is in progress."""
     return Bed(folder)

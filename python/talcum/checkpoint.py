@@ -1,4 +1,4 @@
-"""A checkpoint: all that the future of a run depends on."""
+"""A checkpoint: everything that the future of a run depends on."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ NAME = "first-bed.toml"
 
 
 def main(words: list[str] | None = None) -> None:
-    """Writes the case, unless there is a file of its name, and says what to do with it."""
+    """Writes the case, unless a file of its name exists, and prints how to run it."""
     argparse.ArgumentParser(prog="python -m talcum.example", description=__doc__).parse_args(words)
     case = Path(__file__).with_name(NAME).read_text(encoding="utf-8")
     try:

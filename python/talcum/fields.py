@@ -17,9 +17,9 @@ from .tables import Array, ResultsError, Table, optional
 
 @dataclass
 class Fields:
-    """Fields by name, `fields["voidage"]`; arrays are [z][y][x], those of vectors and tensors with components behind.
+    """Fields by name, `fields["voidage"]`. Arrays are [z][y][x]; for vectors and tensors the components come last.
 
-    `x`, `y` and `z` are the middles of the cells.
+    `x`, `y` and `z` are the centres of the cells.
     """
 
     source: Path
@@ -40,13 +40,13 @@ class Fields:
         return list(self.columns)
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame with a row for each cell: x, y, z of its middle, then the fields, vectors by components."""
+        """A pandas.DataFrame with a row for each cell: x, y, z of its centre, then the fields, vectors by components."""
         z, y, x = (axis.ravel() for axis in np.meshgrid(self.z, self.y, self.x, indexing="ij"))
         flat = {name: values.reshape(len(x), *values.shape[3:]) for name, values in self.columns.items()}
         return Table(self.source, {"x": x, "y": y, "z": z, **flat}, self.units).to_pandas()
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset over z, y and x, with units as attributes; `component` is x, y or z, of tensors also `row`."""
+        """An xarray.Dataset over z, y and x, with units as attributes; `component` is x, y or z, and tensors also have `row`."""
         variables: dict[str, Any] = {}
         for name, values in self.columns.items():
             behind = {0: (), 1: ("component",), 2: ("row", "component")}[values.ndim - 3]
@@ -76,17 +76,17 @@ def read_fields(file: Path, time: float | None, exact: bool) -> Fields:
 
 
 def middles(attributes: Any, axis: int) -> Array:
-    """The middles of the cells along an axis."""
+    """The centres of the cells along an axis."""
     cells = int(attributes["WholeExtent"][2 * axis + 1] - attributes["WholeExtent"][2 * axis])
     return np.asarray(attributes["Origin"][axis] + (np.arange(cells) + 0.5) * attributes["Spacing"][axis])
 
 
 def matrices(values: Array) -> Array:
-    """Values of cells; nine components in a row, as VTK wants them, become a matrix of three rows."""
+    """Values of cells; nine components in a row, as VTK requires them, become a matrix of three rows."""
     return values.reshape(*values.shape[:3], 3, 3) if values.shape[3:] == (9,) else values
 
 
 def length_unit(contents: Any) -> str:
-    """The unit of lengths of a file, by the units of its case."""
+    """The unit of lengths in a file, from the units of its case."""
     units = contents["talcum"].attrs["units"]
     return "m" if (units.decode() if isinstance(units, bytes) else str(units)) == "si" else "d"

@@ -1,4 +1,4 @@
-"""Files of results: where they are missing, what makes them; HDF5 files are read while a run writes them."""
+"""Files of results. An error for a missing file names the key of the case that makes it; HDF5 files can be read while a run writes them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ UNREADABLE = (OSError, RuntimeError, LookupError, TypeError, ValueError, Attribu
 
 
 def require(file: Path, maker: str) -> Path:
-    """The file, if it is there; else an error that says what in the case makes it."""
+    """The file, if it exists; otherwise an error that names the key of the case that makes it."""
     if not file.is_file():
         raise ResultsError(f"{file}: there is no such file (yet); a run writes it if its case has {maker}")
     return file
 
 
 def read_hdf5(file: Path, take: Callable[[Any], T]) -> T:
-    """What `take` makes of an open HDF5 file; one that cannot be read, as in the middle of a write, is tried again."""
+    """The result of `take` for an open HDF5 file; a file that cannot be read, as in the middle of a write, is tried again."""
     left = ATTEMPTS
     while True:
         try:
@@ -37,7 +37,7 @@ def read_hdf5(file: Path, take: Callable[[Any], T]) -> T:
         except UNREADABLE as reason:
             left -= 1
             if left == 0:
-                words = "is damaged, no such file of talcum, or being written at this moment (then try again)"
+                words = "is damaged, is not such a file of talcum, or is being written at this moment (then try again)"
                 raise ResultsError(f"{file}: {words}: {reason}") from reason
             time.sleep(PAUSE)
 
@@ -50,5 +50,5 @@ def attributes(item: Any) -> dict[str, Any]:
 def column(dataset: Any, rows: slice | None = None) -> tuple[Array, str]:
     """Rows of a dataset of numbers, all by default, and their unit."""
     if not isinstance(dataset, h5py.Dataset) or dataset.ndim == 0 or dataset.dtype.kind not in NUMBERS:
-        raise ValueError(f"{dataset.name} is no array of numbers")
+        raise ValueError(f"{dataset.name} is not an array of numbers")
     return np.asarray(dataset[rows if rows is not None else ...]), str(text_of(dataset.attrs.get("unit", "")))

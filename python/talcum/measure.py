@@ -1,4 +1,4 @@
-"""What a `[measure.NAME]` of a case leaves: tables of numbers over time."""
+"""The results of a `[measure.NAME]` of a case: tables of numbers over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .tables import ResultsError, Table
 
 @dataclass
 class Measure:
-    """The tables of one measure by their names, `results` among them, and what does not change (`constants`)."""
+    """The tables of one measure by their names, including `results`, and its `constants`."""
 
     name: str
     kind: str
@@ -31,7 +31,7 @@ class Measure:
 
     @property
     def scalars(self) -> list[str]:
-        """The columns of `results` that are one number in each row."""
+        """The columns of `results` that have one number in each row."""
         return [name for name in str(self.attributes.get("scalars", "")).split(",") if name]
 
 
@@ -49,7 +49,7 @@ def read_measure(file: Path) -> Measure:
 
 
 def complete_rows(file: Path, group: Any) -> Table:
-    """The rows that all columns of a group have."""
+    """The number of rows that all columns of a group have."""
     rows = min((len(dataset) for dataset in group.values()), default=0)
     return table_of(file, group, slice(0, rows))
 

@@ -1,4 +1,4 @@
-"""Calls of the program talcum: check and run a case, go on from a checkpoint."""
+"""Calls of the program talcum: check a case, run it, and continue from a checkpoint."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ Changes = Mapping[str, Any]
 
 
 class TalcumError(ResultsError):
-    """The program ended with an error: its own words, with file, line and key where a case is wrong."""
+    """The program ended with an error. The text is the program's message, with file, line and key if a case is wrong."""
 
 
 def check(case: PathText, *, ranks: int = 1, threads: int | None = None, set: Changes | None = None) -> str:
-    """Validates a case, and returns the program's report of what would run."""
+    """Checks a case, and returns the program's report of what would run."""
     command = [*launch(ranks, threads), "check", *thread_words(threads), *set_words(set), *file_words(case)]
     return call(command, quiet=True)
 
@@ -70,7 +70,7 @@ def restart(
     force: bool = False,
     quiet: bool = True,
 ) -> Bed:
-    """Goes on from a checkpoint, in its folder or in `output`, and opens the results; the rest is as for `run`."""
+    """Continues from a checkpoint, in its folder or in `output`, and opens the results; the other arguments are as for `run`."""
     folder = named(output) if output is not None else Path(checkpoint).parent
     options = [f"--output={folder}"] if output is not None else []
     options += ["--force"] if force else []
@@ -101,14 +101,14 @@ def launch(ranks: int, threads: int | None) -> list[str]:
 
 
 def named(output: PathText) -> Path:
-    """A folder for results; an empty text is no name for one."""
+    """A folder for results; an empty text is an error."""
     if not str(output):
         raise TalcumError("output = '': must be the name of a folder")
     return Path(output)
 
 
 def file_words(file: PathText) -> list[str]:
-    """A file as the last word of a command: behind two dashes it is no option, whatever its name."""
+    """A file as the last word of a command: after two dashes it is not taken for an option, whatever its name."""
     return ["--", str(file)]
 
 
@@ -127,13 +127,13 @@ def set_words(changes: Changes | None) -> list[str]:
     words = []
     for key, value in (changes or {}).items():
         if "=" in key:
-            raise TalcumError(f"set: {key!r}: a key has no equals sign")
+            raise TalcumError(f"set: {key!r}: a key must not contain an equals sign")
         words += ["--set", f"{key}={toml_value(value, key)}"]
     return words
 
 
 def toml_value(value: Any, key: str) -> str:
-    """A value as TOML writes it; `key` is named in the error if TOML has no such value."""
+    """A value in TOML; `key` is named in the error if TOML has no such value."""
     if hasattr(value, "tolist"):  # an array or a number of numpy
         value = value.tolist()
     if isinstance(value, bool):
@@ -151,17 +151,17 @@ def toml_value(value: Any, key: str) -> str:
 
 
 def toml_text(text: str) -> str:
-    """A text between quotation marks. JSON escapes as TOML does, but for DEL, which TOML wants escaped as well."""
+    """A text between quotation marks. JSON escapes as TOML does, except for DEL, which TOML requires to be escaped as well."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def toml_key(name: str) -> str:
-    """A key of an inline table, between quotation marks where it needs them."""
+    """A key of an inline table, between quotation marks if it needs them."""
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_text(name)
 
 
 def call(command: list[str], quiet: bool) -> str:
-    """Runs a command; what it prints on standard output, or an error with its words."""
+    """Runs a command, and returns what it prints on standard output; raises its error message if it fails."""
     where = subprocess.PIPE if quiet else subprocess.STDOUT
     form: dict[str, Any] = {"stdin": subprocess.DEVNULL, "encoding": "utf-8", "errors": "replace"}
     try:
@@ -178,7 +178,7 @@ def call(command: list[str], quiet: bool) -> str:
 
 
 def echoed(process: subprocess.Popen[str]) -> str:
-    """Prints the lines of a process as they come; all of them."""
+    """Prints the lines of a process as they come, and returns all of them."""
     lines = []
     for line in process.stdout or ():
         print(line, end="", flush=True)
@@ -187,9 +187,9 @@ def echoed(process: subprocess.Popen[str]) -> str:
 
 
 def error_in(messages: str, code: int) -> str:
-    """The program's error among all messages: from `error:` to the end, or to mpirun's words below a line of dashes."""
+    """The program's error among all messages: from `error:` to the end, or to mpirun's message below a line of dashes."""
     found = re.search(r"^error: (.*?)(?=^-{5,}|\Z)", messages, re.MULTILINE | re.DOTALL)
     if found:
         return found.group(1).strip()
     last = "\n".join(messages.strip().splitlines()[-10:])
-    return f"the program ended with exit code {code}: {last or 'it said nothing'}"
+    return f"the program ended with exit code {code}: {last or 'it printed nothing'}"

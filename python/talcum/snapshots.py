@@ -47,7 +47,7 @@ class Particles(Table):
 
 
 class Contacts(Table):
-    """Touching pairs at one time: ids `lower` and `higher`, and what the file keeps of them."""
+    """Touching pairs at one time: ids `lower` and `higher`, and the other columns of the file."""
 
     def __init__(self, time: float, table: Table) -> None:
         super().__init__(table.source, table.columns, table.units)
@@ -75,12 +75,12 @@ def nearest(times: Array, time: float | None, exact: bool, source: Path) -> int:
     index = int(np.argmin(np.abs(times - time)))
     tolerance = SAME_TIME * max(abs(float(times[-1])), abs(time))
     if exact and abs(float(times[index]) - time) > tolerance:
-        raise ResultsError(f"{source}: has nothing of time {time:g}; the nearest is {times[index]:g}")
+        raise ResultsError(f"{source}: has nothing at time {time:g}; the nearest is {times[index]:g}")
     return index
 
 
 def read_times(file: Path) -> Array:
-    """The times of a file of VTKHDF."""
+    """The times in a VTKHDF file."""
     return read_hdf5(file, lambda contents: snapshot_times(contents["VTKHDF"]))
 
 

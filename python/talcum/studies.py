@@ -37,7 +37,7 @@ def run_study(
     retry: bool = False,
     quiet: bool = True,
 ) -> Study:
-    """Runs what is missing of a study, and reads its tables.
+    """Runs the missing runs of a study, and reads its tables.
 
     `output` is the folder of the study, results/NAME of the study file by default; `at_a_time`, `ranks_per_run`,
     `launcher` and `retry` are the program's options of these names. Without `quiet` its messages are printed.
@@ -52,7 +52,7 @@ def run_study(
 
 
 def read_study(folder: PathText) -> Study:
-    """Reads the tables of a study's folder, also of one that is not complete."""
+    """Reads the tables in a study's folder; the study need not be complete."""
     place = Path(folder)
     for name in ("runs.csv", "points.csv"):
         if not (place / name).is_file():

@@ -26,7 +26,7 @@ Array = npt.NDArray[Any]
 
 
 class Table:
-    """Columns of as many rows, by name: `table["time"]` is an array, `table.units["time"]` its unit."""
+    """Columns of equal length, by name: `table["time"]` is an array, `table.units["time"]` its unit."""
 
     def __init__(self, source: Path, columns: dict[str, Array], units: dict[str, str]) -> None:
         self.source = source
@@ -76,7 +76,7 @@ class Table:
 
 
 def components(name: str, column: Array) -> dict[str, Array]:
-    """The components of a column, x, y, z of vectors, numbered otherwise; the column itself if it has but one."""
+    """The components of a column: x, y, z for vectors, otherwise numbered; the column itself if it has only one."""
     if column.ndim == 1:
         return {name: column}
     flat = column.reshape(len(column), int(np.prod(column.shape[1:])))
@@ -85,7 +85,7 @@ def components(name: str, column: Array) -> dict[str, Array]:
 
 
 def read_table(file: Path, texts: tuple[str, ...] = ()) -> Table:
-    """Reads a table of text such as series.csv; columns named in `texts` are no numbers."""
+    """Reads a table of text such as series.csv; columns named in `texts` are not numbers."""
     lines = [line for line in complete_lines(file) if line and not line.startswith("#")]
     cells = list(csv.reader(lines))
     if not cells:

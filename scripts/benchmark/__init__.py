@@ -1,1 +1,1 @@
-"""Talcum's speed on known beds, beside that of LIGGGHTS and LAMMPS: what scripts/bench calls."""
+"""Measures Talcum's speed on known beds, and that of LIGGGHTS and LAMMPS; called by scripts/bench."""

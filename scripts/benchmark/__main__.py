@@ -111,7 +111,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
 
 
 def options() -> argparse.Namespace:
-    """What the user asked for."""
+    """The command-line arguments."""
     parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
     parser.add_argument("beds", nargs="*", help='words of names of beds, such as "24000 settled"; all without')
     parser.add_argument("--peers", action="store_true", help="LIGGGHTS and LAMMPS too, installed if missing")
@@ -124,7 +124,7 @@ def options() -> argparse.Namespace:
 
 
 def main() -> None:
-    """From the command line."""
+    """Runs the parts named on the command line."""
     wanted = options()
     RESULTS.mkdir(parents=True, exist_ok=True)
     try:

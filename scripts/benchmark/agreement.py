@@ -26,7 +26,7 @@ CONTROL = "LAMMPS without friction (control)"
 
 @dataclass(frozen=True)
 class Sums:
-    """What is compared: energies and heights of the bed."""
+    """The quantities that are compared: energies and heights of the bed."""
 
     kinetic_energy: float
     energy_of_spin: float
@@ -40,7 +40,7 @@ class Sums:
 
 
 def sums_of(bed: Particles) -> Sums:
-    """Of particles of density 1, moments of inertia (2/5) m r^2."""
+    """Energies and heights of particles of density 1, with moments of inertia (2/5) m r^2."""
     mass = np.pi / 6.0 * bed.diameter**3
     inertia = 0.1 * mass * bed.diameter**2
     energies = [0.5 * float(np.sum(m * np.sum(v * v, axis=1))) for m, v in ((mass, bed.velocity), (inertia, bed.spin))]
@@ -69,7 +69,7 @@ def by_talcum(bed: Particles) -> Sums:
 
 
 def by_peer(peer: peers.Peer, bed: Bed, start: Path, friction: bool = True) -> Sums:
-    """The same of a peer; without friction as a control."""
+    """Energies and heights of a peer; without friction as a control."""
     path = RESULTS / "agreement" / peer.template
     law = ContactLaw() if friction else ContactLaw(friction=0.0)
     path.write_text(peers.deck(peer, bed, peers.data_file(peer, bed, start), 0.1, law), encoding="utf-8")

@@ -44,7 +44,7 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class Vibration:
-    """Gravity in the frame of the plate: 1 + Gamma sin(2 pi f t), t from the begin of the run."""
+    """Gravity in the frame of the plate: 1 + Gamma sin(2 pi f t), t from the start of the run."""
 
     gamma: float = 3.0
     frequency: float = 0.16

@@ -33,7 +33,7 @@ class CoupledBed:
         return STATES / f"coupled-{Path(self.case).stem}-{self.particles}.h5"
 
     def on(self, ranks: int) -> Bed:
-        """As a row of the benchmark."""
+        """This case as a row of the benchmark."""
         return Bed(self.name, self.state.stem, self.particles, self.steps, 0, ranks=ranks)
 
 

@@ -1,4 +1,4 @@
-"""The least time of a particle-step that memory and arithmetic of this machine allow, beside what was measured."""
+"""The least time of a particle-step that memory and arithmetic of this machine allow, compared with measurements."""
 
 from __future__ import annotations
 

@@ -64,10 +64,10 @@ series = {steps * TIME_STEP!r}
 
 
 def seconds_of_gas(words: str, steps: int) -> float:
-    """Time of all steps of the gas, off what a run says."""
+    """Time of all steps of the gas, from the output of a run."""
     seconds, done = SECONDS.search(words), WHOLE.search(words)
     if not seconds or not done or int(done[1]) != steps:
-        raise ValueError(f"talcum did not say how the time of {steps} steps divides:\n{words[-2000:]}")
+        raise ValueError(f"talcum did not print how the time of {steps} steps divides:\n{words[-2000:]}")
     return float(seconds[1])
 
 

@@ -1,6 +1,6 @@
-"""Instructions per particle and step of the beds on one rank, counted by Valgrind's Cachegrind: no clock, no noise.
+"""Instructions per particle and step of the beds on one rank, counted by Valgrind's Cachegrind: they do not depend on a clock or on other programs.
 
-`python -m benchmark.instructions` compares those of three small beds with what is kept.
+`python -m benchmark.instructions` compares three small beds with the kept counts.
 """
 
 from __future__ import annotations

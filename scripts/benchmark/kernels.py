@@ -37,7 +37,7 @@ def kernel_table(found: dict[str, dict[int, float]]) -> str:
 
 
 def kernels() -> str:
-    """Measures all kernels anew."""
+    """Measures all kernels again."""
     shutil.rmtree(CRITERION, ignore_errors=True)
     execute(["cargo", "bench", "--bench", "kernels"])
     return kernel_table(read_criterion(CRITERION))

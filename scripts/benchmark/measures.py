@@ -1,4 +1,4 @@
-"""What `[measure.NAME]` costs: each kind alone and all at once, on the settled bed of 24,000 particles, on one rank."""
+"""The cost of `[measure.NAME]`, each kind alone and all at once, on the settled bed of 24,000 particles, on one rank."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ INTERVALS = (100, 1000)
 # Looks of a run. Rows, windows and written lines follow one another after ten.
 LOOKS = 20
 PER_ROW = 10
-# Keys of each kind besides `kind` and `every`; {row} is the time of ten looks.
+# Keys of each kind besides `kind` and `every`; {row} is the time of ten samples.
 KINDS = {
     "coordination": "average = {row}",
     "probe": 'at = "plane"\naxis = "z"\nposition = 10.0\naverage = {row}',
@@ -30,9 +30,9 @@ KINDS = {
 
 
 def section(name: str, interval: int) -> str:
-    """One measure that looks every so many steps."""
+    """One measure that samples every so many steps."""
     every = interval * TIME_STEP
-    # Each of the 25 bins of a phase has a look.
+    # Each of the 25 bins of a phase has a sample.
     keys = KINDS[name].format(row=PER_ROW * every, frequency=1.0 / (40.0 * every))
     return f'[measure.{name.replace(", ", "-")}]\nkind = "{name.split(",")[0]}"\nevery = {every}\n{keys}\n'
 

@@ -38,7 +38,7 @@ PEERS = (
 
 
 def peers_here() -> list[Peer]:
-    """Those that are installed."""
+    """The peers that are installed."""
     return [peer for peer in PEERS if shutil.which(peer.program)]
 
 

@@ -55,7 +55,7 @@ def computing(bed: Bed, start: Path, first: bool) -> float:
 
 
 def of_a_step(bed: Bed, start: Path, first: bool) -> float:
-    """The same of a step and a rank."""
+    """Processor time per step and rank, in seconds."""
     longer, shorter = (computing(replace(bed, steps=steps), start, first) for steps in (LONGER, SHORTER))
     return (longer - shorter) / (LONGER - SHORTER) / bed.ranks
 
@@ -68,7 +68,7 @@ def copies(ranks: int) -> float:
 
 
 def processor(rounds: int, first: bool) -> str:
-    """A table of what a rank computes in a step, beside its share of what one rank computes alone."""
+    """A table of the time that a rank computes in a step, compared with its share of the time of a single rank."""
     if not shutil.which("perf"):
         raise BenchmarkError("perf is not installed: apt-get install linux-perf")
     start = state(BED.state, execute, PROGRAM)
@@ -82,7 +82,7 @@ def processor(rounds: int, first: bool) -> str:
 
 
 def table_of(least: dict[int, float]) -> str:
-    """What a copy costs in the mean, over what a particle does, from the seconds that each rank computes in a step."""
+    """The mean cost of a copy over that of a particle, from the seconds that each rank computes in a step."""
     rows = []
     for ranks, found in least.items():
         share, held = least[1] / ranks, copies(ranks)

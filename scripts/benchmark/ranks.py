@@ -38,7 +38,7 @@ class Row:
 
 
 def rows(cores: int) -> list[Row]:
-    """What is measured on so many cores."""
+    """The rows that are measured on a number of cores."""
     numbers = [n for n in RANKS if n <= cores]
     agitated, small = (next(bed for bed in BEDS if bed.name == name) for name in ("24,000 agitated", "3,000 settled"))
     compared = [(bed, bed) for bed in (STRONG, agitated, small, LARGE)] + [(LARGEST, LARGE)]

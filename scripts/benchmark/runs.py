@@ -1,4 +1,4 @@
-"""Starts a program on chosen cores and reads rate, stages and memory off what it says."""
+"""Starts a program on chosen cores, and reads rate, stages and memory from its output."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from typing import Callable
 
 from .beds import ROOT
 
-# A run that got less than this of the time in which it could run has shared its cores.
+# A run that got less than this part of the time in which it could run has shared its cores.
 LEAST_SHARE = 0.97
 ATTEMPTS = 3
-# Seconds between looks at the memory of a process.
+# Seconds between samples of the memory of a process.
 POLL = 0.1
 
 
 class BenchmarkError(Exception):
-    """What went wrong, in words for the user."""
+    """An error, with a message for the user."""
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Measured:
     """One run of one program on one bed."""
 
     rate: float  # million particle-steps per second, of all ranks
-    median_rate: float | None = None  # the same at the median step, if it is told
+    median_rate: float | None = None  # the same at the median step, if the program prints it
     share_of_cores: float = 1.0
     largest_memory: float = 0.0  # bytes, of the largest process
     usual_memory: float = 0.0  # bytes, in the steps, of the process started
@@ -41,13 +41,13 @@ class Measured:
     digest: str = ""
 
     def as_dict(self) -> dict[str, object]:
-        """For a JSON file."""
+        """The run as a dict for a JSON file."""
         return asdict(self)
 
 
 @dataclass
 class Finished:
-    """What a process said, and what it used."""
+    """The output of a process, and the resources that it used."""
 
     words: str
     share_of_cores: float
@@ -82,7 +82,7 @@ def on_cores(command: list[str], ranks: int, first: bool = False, core: int = 0)
 
 
 def execute(command: list[str], ranks: int = 1) -> Finished:
-    """Runs a command to its end, and keeps what it says."""
+    """Runs a command to its end, and keeps its output."""
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
         streams = {"stdin": subprocess.DEVNULL, "stdout": said, "stderr": said}
         process = subprocess.Popen(command, **streams, cwd=ROOT, env=environment(ranks), start_new_session=True)
@@ -97,14 +97,14 @@ def execute(command: list[str], ranks: int = 1) -> Finished:
 
 @dataclass
 class Watched:
-    """What is seen of a process and its descendants while they run."""
+    """Observations of a process and its descendants while they run."""
 
     # Nanoseconds that each has run, and waited for a core.
     ran: dict[int, tuple[int, int]] = field(default_factory=dict)
     memory: list[float] = field(default_factory=list)
 
     def look(self, pid: int) -> None:
-        """Once more."""
+        """Takes one more sample."""
         largest = 0.0
         for each in (pid, *descendants(pid)):
             try:
@@ -118,7 +118,7 @@ class Watched:
 
     @property
     def share_of_cores(self) -> float:
-        """The part of the time in which the processes could run that they ran."""
+        """The time that the processes ran, divided by the time in which they could run."""
         ran, waited = (sum(times) for times in zip(*self.ran.values())) if self.ran else (0, 0)
         return ran / (ran + waited) if ran else 1.0
 
@@ -141,7 +141,7 @@ def descendants(pid: int) -> list[int]:
 
 
 def watch(pid: int) -> tuple[Watched, int, resource.struct_rusage]:
-    """Waits for a process; what was seen meanwhile, its status, and what it used."""
+    """Waits for a process, and returns the observations, its status and its resources."""
     seen = Watched()
     while True:
         done, status, used = os.wait4(pid, os.WNOHANG)
@@ -162,7 +162,7 @@ def read_talcum(words: str) -> Measured:
     rates = STAGE_END.findall(words)
     digest = re.search(r"^digest (\w+)$", words, re.MULTILINE)
     if not rates or not digest:
-        raise BenchmarkError(f"talcum did not say its rate:\n{words[-2000:]}")
+        raise BenchmarkError(f"talcum did not print its rate:\n{words[-2000:]}")
     rows = STAGE_LINE.findall(words)
     return Measured(
         rate=float(rates[-1][0]),
@@ -180,7 +180,7 @@ def read_peer(words: str) -> Measured:
     """Rate of the last `run` of LAMMPS or LIGGGHTS."""
     loops = LOOP.findall(words)
     if not loops:
-        raise BenchmarkError(f"no loop time in what the program said:\n{words[-2000:]}")
+        raise BenchmarkError(f"no loop time in the program's output:\n{words[-2000:]}")
     seconds, steps, atoms = loops[-1]
     return Measured(rate=int(steps) * int(atoms) / float(seconds) * 1.0e-6)
 
@@ -188,7 +188,7 @@ def read_peer(words: str) -> Measured:
 def measured(
     read: Callable[[str], Measured], command: list[str], ranks: int, fresh: Path | None = None
 ) -> Measured:
-    """Runs and reads. Where others share the core, the rate is that per second of its time: one rank never waits.
+    """Runs a program and reads its output. If others share the core, the rate is per second of the core's time, since one rank never waits.
 
     Several ranks do wait for each other, so a run of theirs that lacked cores is tried again; the best attempt counts.
     The folder `fresh` is removed after each.

@@ -14,8 +14,8 @@ layer of width w and a block of sides l:
                 diameter in the mean
     decide      one all-reduce of eight numbers: log2(P) latencies
     gas         one all-reduce of two fields over the column's nodes, which begins before decide: what is left of it then, as if
-                MPI went on with it only while a rank waits for something else
-    rebuild     every R steps: the ghosts anew along one axis after the other (112 bytes each), what they are copies of (4),
+                MPI continued it only while a rank waits for something else
+    rebuild     every R steps: new ghosts along one axis after the other (112 bytes each), what they are copies of (4),
                 two reductions, and two sparse exchanges: messages to the blocks around, with the particles of a layer at the
                 faces, half a skin thick, and their contacts, and a barrier of log2(P) latencies, after which all
                 messages have come
@@ -82,7 +82,7 @@ def copies_around(sides: list[float], is_cut: list[bool], density: float) -> flo
 
 @dataclass(frozen=True)
 class Load:
-    """What each rank has to do."""
+    """The work of each rank."""
 
     particles: float
     # Cut along x and y only, over the whole height of the bed; or along all three axes.
@@ -126,7 +126,7 @@ class Load:
 
     @property
     def copies_in_pairs(self) -> float:
-        """Those of them that are in a pair of the list."""
+        """The part of the neighbours' particles that is in a pair of the list."""
         return PART_IN_PAIRS * self.copies
 
     @property
@@ -136,7 +136,7 @@ class Load:
         return sum(2.0 * 0.5 / side for side in self.sides[: self.cut_axes])
 
     def ghosts_per_message(self) -> list[float]:
-        """For each cut axis, in the order in which they go: what came along one axis goes on along the next."""
+        """For each cut axis, in their order: what came along one axis is passed on along the next."""
         sides, ghosts = self.sides, []
         for axis in range(self.cut_axes):
             others = [side for other, side in enumerate(sides) if other != axis]

@@ -37,7 +37,7 @@ adhesion_over_weight = 0
 
 @dataclass
 class Particles:
-    """What is taken over from a checkpoint, in the order of ids, and the box."""
+    """The data taken from a checkpoint, in the order of ids, and the box."""
 
     box: Array
     position: Array
@@ -87,7 +87,7 @@ def agitated(bed: Particles) -> Particles:
     random = np.random.default_rng(1)
     velocity = random.normal(0.0, np.sqrt(GRANULAR_TEMPERATURE), bed.position.shape)
     position = bed.position * np.array([1.0, 1.0, STRETCH])
-    # The lowest layer touched the plate: it goes on touching it.
+    # The lowest layer touched the plate: it keeps touching it.
     position[:, 2] += 0.5 * (1.0 - STRETCH) * bed.diameter
     return Particles(bed.box, position, velocity - velocity.mean(axis=0), 0.0 * bed.spin, bed.diameter)
 
@@ -157,7 +157,7 @@ def write_lammps_data(bed: Particles, types: int, height: float, path: Path) -> 
 def state(name: str, run: Run, talcum: Path) -> Path:
     """The checkpoint of a state, made if it is not there; `run` starts a command and waits for it.
 
-    Made anew if this version of Talcum cannot read it.
+    It is made again if this version of Talcum cannot read it.
     """
     path = STATES / f"{name}.h5"
     if is_kept(path, run, talcum):
@@ -185,7 +185,7 @@ def is_kept(path: Path, run: Run, talcum: Path) -> bool:
     try:
         run([str(talcum), "info", str(path)])
     except BenchmarkError:
-        print(f"{path} is of another version: it is made anew", flush=True)
+        print(f"{path} is of another version and is made again", flush=True)
         return False
     return True
 

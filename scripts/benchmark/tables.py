@@ -1,4 +1,4 @@
-"""What was measured, as tables in Markdown, and where they stand in docs/performance-tables.md."""
+"""Measurements as tables in Markdown, and their places in docs/performance-tables.md."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def vector_width() -> str:
 
 
 def said_by(*command: str) -> str:
-    """What a program says of itself, or nothing."""
+    """A program's text about itself, or nothing."""
     try:
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
         return done.stdout.strip()

@@ -19,10 +19,10 @@ STAGE = 2
 
 
 def changes(bed: Bed) -> list[str]:
-    """What is different from the settled bed without gas and cohesion."""
+    """The options that differ from the settled bed without gas and cohesion."""
     settings = [f"stage.{STAGE}.{setting}" for setting in bed.settings]
     if bed.vibration:
-        # Named in the stage, so that the phase is 0 at its begin.
+        # Named in the stage, so that the phase is 0 at its start.
         settings += [
             f"stage.{STAGE}.vibration.gamma={bed.vibration.gamma}",
             f"stage.{STAGE}.vibration.frequency={bed.vibration.frequency}",

@@ -1,1 +1,1 @@
-"""What the pages of the papers share: the page itself, tables of studies, how long runs took, and the command line."""
+"""Code that the pages of the papers share: the page itself, tables of studies, run times, and the command line."""

@@ -1,4 +1,4 @@
-"""The page of a paper: the paper's statements beside what was measured, in one self-contained file."""
+"""The page of a paper, one self-contained file that compares the paper's statements with measurements."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ code { background: #f3f5f7; padding: 0.1rem 0.3rem; }
 
 
 VERDICTS = ("agrees", "differs", "reported only")
-"""What the page says of a statement."""
+"""The page's words for a statement."""
 
 
 @dataclass
 class Statement:
-    """What a paper says about a quantity, what was measured, and whether the two agree; None if it is only reported."""
+    """A paper's statement about a quantity, the measured value, and whether the two agree; None if it is only reported."""
 
     quantity: str
     paper: str
@@ -43,7 +43,7 @@ class Statement:
 
     @property
     def verdict(self) -> str:
-        """Whether the two agree, in words."""
+        """Whether the two agree, as text."""
         return dict(zip((True, False, None), VERDICTS))[self.agrees]
 
     def row(self) -> str:
@@ -54,7 +54,7 @@ class Statement:
 
 @dataclass
 class Section:
-    """A part of the page: what the paper shows, what was measured, a table whose first row is its head, pictures, and how to make it again."""
+    """A part of the page: the paper's result, the measurements, a table whose first row is its head, figures, and how to repeat it."""
 
     title: str
     text: str
@@ -65,7 +65,7 @@ class Section:
 
     @property
     def anchor(self) -> str:
-        """What a link to it is called."""
+        """The name of its anchor."""
         return re.sub(r"[^a-z0-9]+", "-", self.title.lower()).strip("-")
 
     def summary(self) -> str:
@@ -95,7 +95,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Paper:
-    """A paper: its folder in cases, the head of its page, the parts of the page from a folder of results, and what keeps things of runs."""
+    """A paper: its folder in cases, the head of its page, the parts of the page from a folder of results, and the function that keeps data of runs."""
 
     name: str
     title: str
@@ -128,7 +128,7 @@ def embedded(figure: Figure) -> str:
 
 
 def page(paper: Paper, results: Path) -> str:
-    """The whole page, of what is in a folder of results and of what is kept."""
+    """The whole page, from a folder of results and from kept data."""
     sections = paper.sections(results)
     head = "".join(f"<th>{text}</th>" for text in ("part", *VERDICTS))
     summary = "\n".join(section.summary() for section in sections)

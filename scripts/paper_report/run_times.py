@@ -1,4 +1,4 @@
-"""How long the runs of a paper's studies took, by the table that each run prints at its end."""
+"""Run times of a paper's studies, from the table that each run prints at its end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ UNITS = {"study": "", "runs": "", "median": "s", "longest": "s", "all": "h", "pr
 
 
 def seconds_of(run: Path) -> float | None:
-    """How long a run took [s]; None if it is not complete, or was stopped and resumed, so that only its last part is known."""
+    """The run time [s]; None if the run is not complete, or was stopped and resumed, so that only its last part is known."""
     try:
         output = (run / "output.log").read_text()
     except OSError:
@@ -31,7 +31,7 @@ def seconds_of(run: Path) -> float | None:
 
 
 def made(results: Path, studies: Iterable[str]) -> dict[str, dict[str, str]]:
-    """A row for each study of which there are complete runs here."""
+    """A row for each study that has complete runs here."""
     rows = {}
     for study in studies:
         known = [seconds for seconds in map(seconds_of, (results / study / "runs").glob("*")) if seconds is not None]
@@ -48,7 +48,7 @@ def made(results: Path, studies: Iterable[str]) -> dict[str, dict[str, str]]:
 
 
 def processor() -> str:
-    """What the processor calls itself."""
+    """The name of the processor."""
     try:
         named = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     except OSError:
@@ -57,7 +57,7 @@ def processor() -> str:
 
 
 def times(results: Path, kept: Path, studies: Iterable[str]) -> StudyTable | None:
-    """Run times of the studies that were run here, and the kept ones of the others; None if there are neither."""
+    """Run times of the studies that were run here, and kept times of the others; None if there are neither."""
     file = kept / KEPT
     found = {row["study"]: row for row in read_study_table(file).rows} if file.exists() else {}
     found |= made(results, studies)
@@ -66,7 +66,7 @@ def times(results: Path, kept: Path, studies: Iterable[str]) -> StudyTable | Non
 
 
 def keep(results: Path, kept: Path, studies: Iterable[str]) -> None:
-    """Stores the times of the studies that were run here beside those that are kept."""
+    """Adds the times of the studies that were run here to the kept ones."""
     found = times(results, kept, studies)
     if found is not None:
         write_study_table(found, kept / KEPT)

@@ -1,5 +1,5 @@
-"""Tables of a paper's studies, and what the pages of several papers do with them: the kept table where a study was not run, where
-numbers come from, and curves over a key."""
+"""Tables of a paper's studies, for the pages of several papers: the kept table if a study was not run, the origin of
+numbers, and curves over a key."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def student(freedom: int) -> float:
 
 
 def interval_of(values: Iterable[float]) -> Estimate:
-    """Mean with Student's interval of values that are independent."""
+    """Mean with Student's interval of independent values."""
     known = np.array([value for value in values if math.isfinite(value)])
     if not len(known):
         return Estimate(math.nan, math.nan, math.nan, 0)
@@ -41,8 +41,8 @@ def studies_of(kept: Path) -> list[str]:
 
 
 def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable | None:
-    """A table of a study: of the runs made here, else the one that is kept; None if there is neither. Of points without a
-    complete run nothing is known, and a study that was only begun here does not count."""
+    """A table of a study, from the runs made here, otherwise the kept one; None if there is neither. Points without a
+    complete run are left out, and a study that was only begun here does not count."""
     for file in (results / study / f"{kind}.csv", kept / f"{study}-{kind}.csv"):
         if file.exists():
             found = read_study_table(file)
@@ -53,7 +53,7 @@ def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable 
 
 
 def made_or_kept(made: StudyTable | None, kept: Path) -> StudyTable | None:
-    """A table of the runs made here, else the one that is kept; None if there is neither."""
+    """A table of the runs made here, otherwise the kept one; None if there is neither."""
     return made or (read_study_table(kept) if kept.exists() else None)
 
 
@@ -63,7 +63,7 @@ def is_known(row: dict[str, str]) -> bool:
 
 
 def made_by(paper: str, study: str, points: StudyTable) -> str:
-    """Where the numbers of a section come from, and how to make them again."""
+    """The origin of the numbers of a section, and how to repeat them."""
     commits = [commit.strip()[:10] for commit in points.provenance.get("commit", "unknown").split(",")]
     version = points.provenance.get("talcum_version", "of unknown version")
     return (
@@ -73,12 +73,12 @@ def made_by(paper: str, study: str, points: StudyTable) -> str:
 
 
 def within(value: float, paper: float, part: float) -> bool:
-    """Whether a value is within a part of the paper's."""
+    """Whether a value is within a fraction of the paper's value."""
     return math.isfinite(value) and abs(value - paper) <= part * abs(paper)
 
 
 LABELS = {"bond_number": "Bond number", "gamma": "Gamma", "superficial_velocity": "U_s [sqrt(g d)]"}
-"""What axes are called."""
+"""The labels of axes."""
 
 
 def over(points: StudyTable, axis: str, measures: dict[str, str], groups: list[tuple[str, StudyTable]]) -> Figure:

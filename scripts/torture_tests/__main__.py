@@ -1,4 +1,4 @@
-"""Tries each kind of torture for a while, or as often as is asked for, and prints how it went."""
+"""Tries each kind of torture for a while, or a given number of times, and prints the results."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ KINDS = {
     "cases": Kind(inputs.cases, 100_000),
     "decompositions": Kind(decompositions.decompositions, 2_000),
 }
-# A kind that breaks so often in one call is left: the reason is most often the same.
+# A kind that breaks so often in one call is abandoned, because the reason is mostly the same.
 MOST_BROKEN = 20
-# Where files cost least to write.
+# The folder in which files cost least to write.
 MEMORY = Path("/dev/shm")
 
 
@@ -51,7 +51,7 @@ def build_library(folder: Path) -> Path:
 
 
 def torture(kind: str, context: Context, campaign: Campaign, seconds: float, goal: float) -> int:
-    """One kind for so many seconds, once at least, or until there are enough; how many broke."""
+    """Tries one kind for some seconds, at least once, or until there are enough attempts; returns how many broke."""
     tally, began, broken = campaign.of(kind), time.monotonic(), 0
     while tally.attempts < goal and broken < MOST_BROKEN:
         start = time.monotonic()
@@ -69,16 +69,16 @@ def torture(kind: str, context: Context, campaign: Campaign, seconds: float, goa
 
 
 def options() -> argparse.Namespace:
-    """What is asked for."""
+    """The command-line arguments."""
     parser = argparse.ArgumentParser(prog="scripts/torture", description=__doc__)
     parser.add_argument("--minutes", type=float, default=2.0, help="for each kind (default: 2)")
     parser.add_argument("--only", help=f"kinds, with commas between: {', '.join(KINDS)}")
     parser.add_argument("--seed", type=int, default=None, help="of the random choices (default: of the clock)")
     parser.add_argument("--campaign", type=Path, metavar="FILE",
-                        help="keep the counts in this file, go on from those that are in it, and go round"
-                             " until each kind was tried as often as a campaign has it")  # fmt: skip
+                        help="keep the counts in this file, continue from those in it, and repeat until each"
+                             " kind was tried as often as a campaign requires")  # fmt: skip
     parser.add_argument("--patience", type=float, default=1.0,
-                        help="wait this many times as long for an end, on a machine that does other work")  # fmt: skip
+                        help="allow this many times as long for a run to end, on a machine that does other work")  # fmt: skip
     parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "talcum")
     wanted = parser.parse_args()
     wanted.kinds = wanted.only.split(",") if wanted.only else list(KINDS)
@@ -89,7 +89,7 @@ def options() -> argparse.Namespace:
 
 
 def main() -> int:
-    """All kinds that are asked for; in a campaign in turn, until all have enough."""
+    """Tries all kinds asked for; in a campaign in turn, until all have enough attempts."""
     wanted = options()
     TIMES[0] = wanted.patience
     campaign = Campaign.read(wanted.campaign)
@@ -97,8 +97,8 @@ def main() -> int:
     campaign.seeds.append(seed)
     folder = Path(tempfile.mkdtemp(prefix="talcum-torture-", dir=MEMORY if MEMORY.is_dir() else None))
     library = build_library(folder)
-    print(f"seed {seed}; {wanted.minutes:g} minutes each; what breaks is kept in {folder}", flush=True)
-    # Each kind has its own sequence, whatever ran before it.
+    print(f"seed {seed}; {wanted.minutes:g} minutes each; runs that break are kept in {folder}", flush=True)
+    # Each kind has its own random sequence, whatever ran before it.
     contexts = {kind: Context(wanted.program, library, folder, random.Random(f"{seed} {kind}")) for kind in wanted.kinds}
     goals = {kind: KINDS[kind].goal if wanted.campaign else float("inf") for kind in wanted.kinds}
     all_broken, left = 0, list(wanted.kinds)

@@ -20,7 +20,7 @@ class Tally:
 
     @property
     def attempts(self) -> int:
-        """All that counts."""
+        """All attempts that count."""
         return sum(count for name, count in self.counts.items() if not name.endswith(NOT_COUNTED))
 
     def __str__(self) -> str:
@@ -37,7 +37,7 @@ class Campaign:
 
     @staticmethod
     def read(path: Path | None) -> "Campaign":
-        """What earlier calls have left, or nothing yet."""
+        """The counts of earlier calls, or none yet."""
         campaign = Campaign(path)
         if path is not None and path.exists():
             stored = json.loads(path.read_text(encoding="utf-8"))
@@ -51,7 +51,7 @@ class Campaign:
         return self.tallies.setdefault(kind, Tally())
 
     def write(self) -> None:
-        """Brings the counts to the file, at one stroke."""
+        """Writes the counts to the file in one step."""
         if self.path is None:
             return
         kinds = {kind: {"attempts": tally.attempts, **vars(tally)} for kind, tally in self.tallies.items()}

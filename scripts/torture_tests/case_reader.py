@@ -1,4 +1,4 @@
-"""A process that reads one case after another, so that a case costs a millisecond and not the start of a program."""
+"""A process that reads one case after another, so that a case costs a millisecond rather than the start of a program."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class CaseReader:
 
     @staticmethod
     def of(context: Context) -> "CaseReader":
-        """The process of these attempts; begun anew if the last one has ended."""
+        """The process of these attempts; a new one is started if the last has ended."""
         reader = context.case_reader
         if not isinstance(reader, CaseReader) or reader.process.poll() is not None:
             program = context.program.parent / "examples" / "case_reader"

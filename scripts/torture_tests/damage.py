@@ -29,7 +29,7 @@ RESULTS = ["series.csv", "energy.csv", "walls.csv", "profiles.h5", "particles.vt
 
 
 def damaged(random: Random, data: bytes) -> bytes:
-    """Some bits, bytes, a block, or the length are others."""
+    """Changes some bits, bytes, a block, or the length."""
     changed = bytearray(data)
     kind = random.choice(["bit", "bytes", "block", "shorter", "longer", "swap"])
     at = random.randrange(len(changed))
@@ -55,7 +55,7 @@ def damaged(random: Random, data: bytes) -> bytes:
 
 
 def half_a_run(context: Context) -> Path:
-    """The folder of a run that has come to its half, made once."""
+    """The folder of a run that has reached its half, made once."""
     folder = context.folder / "half"
     if not folder.exists():
         ended = run(context, 0, case_arguments(context, "walls", folder, HALF))
@@ -70,7 +70,7 @@ def good_checkpoint(context: Context) -> Path:
 
 
 def ask(context: Context, path: Path, ranks: int) -> Ended:
-    """What the program says of a checkpoint."""
+    """The program's output about a checkpoint."""
     command = ["info", str(path)]
     if context.random.random() < 0.3:
         command = ["restart", str(path), "--output", str(path.parent / "on"), "--until", repr(HALF)]
@@ -155,7 +155,7 @@ def contents(context: Context) -> dict[str, int]:
 
 def results(context: Context) -> dict[str, int]:
     """Damaged results are mended, or set aside with a warning; the digest stays right. A file that was cut short has all its
-    rows again, unless it was set aside: no row is made up."""
+    rows again, unless it was set aside, and no invented rows."""
     expected = reference(context, "walls", WHOLE).digest
     folder = context.new_folder()
     shutil.copytree(half_a_run(context), folder, dirs_exist_ok=True)
@@ -174,11 +174,11 @@ def results(context: Context) -> dict[str, int]:
     if aside and "WARN" not in ended.errors:
         raise Broken(f"{path} was set aside without a warning")
     if was_cut and not aside and path.suffix == ".csv":
-        # What was cut off before the checkpoint is gone: that is said.
+        # Rows that were cut off before the checkpoint are lost, and the program warns of it.
         whole, mended = reference(context, "walls", WHOLE).tables[path.name], tables(folder)[path.name]
         lines = after.decode(errors="replace").splitlines()[:-1]
         times = {line.split(",")[0] for line in lines if line[:1].isdigit()}
-        # Two times at least tell how far rows are apart.
+        # At least two times show the interval between rows.
         if mended != whole and len(times) > 1 and "WARN" not in ended.errors:
             raise Broken(f"{path} has lost rows without a warning")
     elif was_cut and not aside:

@@ -31,19 +31,19 @@ def sources() -> list[Path]:
 
 @cache
 def text_of(path: Path) -> str:
-    """What stands in a file."""
+    """The contents of a file."""
     return path.read_text(encoding="utf-8")
 
 
 @cache
 def keys() -> list[str]:
-    """All keys that the cases have."""
+    """All keys of the cases."""
     lines = [line for path in sources() for line in text_of(path).splitlines()]
     return sorted({line.split("=")[0].strip() for line in lines if "=" in line and not line.startswith("#")})
 
 
 def changed_case(random: Random, text: str) -> str:
-    """Some lines are gone, doubled, of another case, or have another value; or some characters are others."""
+    """Removes or doubles some lines, takes them from another case, gives them another value, or changes some characters."""
     lines = text.splitlines()
     for _ in range(random.randint(1, 4)):
         at = random.randrange(len(lines))
@@ -69,7 +69,7 @@ def changed_case(random: Random, text: str) -> str:
 
 
 def random_input(random: Random) -> tuple[Path, str, list[str]]:
-    """Where a case comes from, its text, and its options: one of the two is wrong."""
+    """The origin of a case, its text, and its options; either the text or the options are wrong."""
     source = random.choice(sources())
     if random.random() < 0.7:
         text = changed_case(random, text_of(source)).encode("utf-8", errors="replace").decode("utf-8")
@@ -79,7 +79,7 @@ def random_input(random: Random) -> tuple[Path, str, list[str]]:
 
 
 def inputs(context: Context) -> dict[str, int]:
-    """Wrong cases and options by the program itself: a message that names them, no panic, no endless work."""
+    """Runs the program with wrong cases and options: it prints a message that names them, does not panic, and ends."""
     source, text, values = random_input(context.random)
     options = [word for value in values for word in ("--set", value)]
     folder = context.new_folder()

@@ -28,7 +28,7 @@ DELAYS = [0.01, 0.05, 0.2]
 
 
 def campaign(context: Context, interrupt) -> dict[str, int]:
-    """A run that is interrupted until it is through, on other ranks each time; then its results are compared."""
+    """Interrupts a run until it is complete, on other ranks each time; then compares its results."""
     case, until = context.random.choice(list(CASES.items()))
     reference(context, case, until)
     folder = context.new_folder()
@@ -50,7 +50,7 @@ def campaign(context: Context, interrupt) -> dict[str, int]:
 
 
 def wait_for_beginning(process: subprocess.Popen[bytes], folder: Path) -> bool:
-    """Until the run has taken the lock of its folder; false if it ends before."""
+    """Waits until the run has locked its folder; returns False if it ends before."""
     def owner() -> str:
         try:
             return (folder / "running").read_text(encoding="utf-8")
@@ -98,7 +98,7 @@ def strike(process: subprocess.Popen[bytes], whom: str, all_ranks: list[int], ra
 
 
 def have_ended(processes: list[int]) -> bool:
-    """Whether all are gone, soon."""
+    """Whether all have ended within a short time."""
     deadline = time.monotonic() + END
     while any(Path(f"/proc/{process}").exists() for process in processes):
         if time.monotonic() > deadline:
@@ -113,7 +113,7 @@ def kills(context: Context) -> dict[str, int]:
 
 
 def at_call(context: Context, folder: Path, arguments: list[str], error: int, calls: list[str]) -> tuple[str, Ended]:
-    """Lets a call of one rank or of all fail, or die in it."""
+    """Makes a call of one rank or of all fail, or kills the process in it."""
     ranks = few_ranks(context)
     call = context.random.choice(calls)
     of_one_kind = context.random.random() < 0.3
@@ -147,7 +147,7 @@ def kills_at_calls(context: Context) -> dict[str, int]:
     def interrupt(context: Context, folder: Path, arguments: list[str]) -> tuple[str, bool]:
         call, ended = at_call(context, folder, arguments, 0, ["write", "sync", "rename", "cut"])
         if ended.code == 0:
-            return "runs that did not come to the call" + NOT_COUNTED, True
+            return "runs that did not reach the call" + NOT_COUNTED, True
         return f"kills at {call}", False
     return campaign(context, interrupt)
 
@@ -158,13 +158,13 @@ def faults(context: Context) -> dict[str, int]:
         name, error = context.random.choice(list(ERRORS.items()))
         call, ended = at_call(context, folder, arguments, error, CALLS)
         if ended.code == 0:
-            return "runs that did not come to the call, or went on after it" + NOT_COUNTED, True
+            return "runs that did not reach the call, or continued after it" + NOT_COUNTED, True
         return f"{call}: {name}, an error on all ranks", False
     return campaign(context, interrupt)
 
 
 def two_at_once(context: Context) -> dict[str, int]:
-    """A second run in the folder of a first one is refused, and does it no harm."""
+    """A second run in the folder of a first one is refused, and does not harm the first."""
     case, until = "walls", CASES["walls"]
     folder = context.new_folder()
     arguments = case_arguments(context, case, folder, until)

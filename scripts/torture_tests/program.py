@@ -1,4 +1,4 @@
-"""Starts Talcum, whole or maimed, and compares what it leaves."""
+"""Starts Talcum, with or without faults, and compares its results."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SMOKE = ROOT / "cases" / "smoke"
 PATIENCE = 60.0
 # An error or a death on one rank must end all ranks within this time.
 END = 30.0
-# By which these are multiplied on a machine that does other work.
+# The factor on these times on a machine that does other work.
 TIMES = [1.0]
 # Every kind of file that a bed without gas writes, often.
 OFTEN = ["output.series=0.005", "output.walls=0.01", "output.energy=0.01", "output.profiles=0.01", "output.particles=0.02",
@@ -36,22 +36,22 @@ kind = "contacts"
 every = 0.02
 write = 0.02
 """
-# At the end of the name of what is told, but is no attempt.
+# Ends the name of an outcome that is printed but does not count as an attempt.
 NOT_COUNTED = " (not counted)"
 # The transports that one machine needs: a start takes a tenth of a second instead of half of one.
 QUICK_START = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader", "OMPI_MCA_ess_singleton_isolated": "1",
                "OMPI_MCA_plm": "isolated", "PMIX_MCA_gds": "hash"}  # fmt: skip
-# No attempt is a bed that needs more: beyond it memory is without bound.
+# No attempt's bed needs more: a process beyond this limit uses memory without bound.
 MOST_MEMORY = 4 << 30
 
 
 class Broken(Exception):
-    """What must not happen, with what is needed to see it again."""
+    """An error of the program, with what is needed to repeat it."""
 
 
 @dataclass
 class Context:
-    """What all attempts share."""
+    """State that all attempts share."""
 
     program: Path
     library: Path
@@ -59,7 +59,7 @@ class Context:
     random: random.Random
     references: dict[str, "Reference"] = field(default_factory=dict)
     case_reader: object = None
-    # What has been done to the present run, so that it can be seen again.
+    # The actions on the present run, so that they can be repeated.
     history: list[str] = field(default_factory=list)
 
     def new_folder(self) -> Path:
@@ -71,7 +71,7 @@ class Context:
 
 @dataclass
 class Reference:
-    """What an uninterrupted run leaves."""
+    """The results of an uninterrupted run."""
 
     digest: str
     tables: dict[str, object]
@@ -79,7 +79,7 @@ class Reference:
 
 @dataclass
 class Ended:
-    """How a start of the program ended; code None if it did not within its time."""
+    """How a call of the program ended; the code is None if it did not end in time."""
 
     code: int | None
     output: str
@@ -101,12 +101,12 @@ def environment(more: dict[str, str]) -> dict[str, str]:
 
 
 def few_ranks(context: "Context", alone: float = 0.9) -> int:
-    """0 (without mpirun) so often, else 1, 2 or 3."""
+    """Returns 0 (without mpirun) with a given probability, otherwise 1, 2 or 3."""
     return 0 if context.random.random() < alone else context.random.choice([1, 2, 2, 3])
 
 
 def command(context: Context, ranks: int, arguments: list[str]) -> list[str]:
-    """Alone for no ranks, else under mpirun."""
+    """Runs alone if the number of ranks is 0, otherwise under mpirun."""
     launcher = ["mpirun", "--bind-to", "none", "-n", str(ranks)] if ranks else []
     return [*launcher, str(context.program), *arguments]
 
@@ -142,7 +142,7 @@ def wait(process: subprocess.Popen[bytes], patience: float = PATIENCE) -> Ended:
 
 
 def limit_memory() -> None:
-    """Called in a new process: no more than this for it."""
+    """Limits the memory of a new process, in which it is called."""
     resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
 
 
@@ -214,7 +214,7 @@ def different(one: dict[str, object], other: dict[str, object]) -> list[str]:
 
 
 def reference(context: Context, case: str, until: float) -> Reference:
-    """What a run without interruption leaves; made once."""
+    """The results of a run without interruption, made once."""
     key = f"{case} {until}"
     if key not in context.references:
         folder = context.new_folder()
@@ -238,7 +238,7 @@ def require_the_same(context: Context, case: str, until: float, folder: Path, en
 
 
 def require_decent_end(ended: Ended, what: str) -> None:
-    """In time, with an exit code and no panic."""
+    """Checks that a run ended in time, with an exit code and no panic."""
     if ended.code is None:
         raise Broken(f"{what}: no end within {PATIENCE} s: {ended.errors[-2000:]}")
     if "panicked" in ended.errors or ended.code in (101, 139, 134, -11, -6):

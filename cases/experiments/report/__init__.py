@@ -1,1 +1,1 @@
-"""Runs beside the experiments that they repeat: `scripts/report van-wachem2001`, `scripts/report yue2020`."""
+"""Compares runs with the experiments that they repeat: `scripts/report van-wachem2001`, `scripts/report yue2020`."""

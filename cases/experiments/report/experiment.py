@@ -1,4 +1,4 @@
-"""What the comparisons with experiments share: where the measured values are, and where those of a run come from."""
+"""Code that the comparisons with experiments share: the folder of measured values, and the provenance of a run's values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MEASURED = Path(__file__).resolve().parent.parent / "measured"
 
 
 def provenance(results: Path) -> list[str]:
-    """Comment lines on a run, or on a table that was kept of one: program, machine, title, and the digest of the end if it came to it."""
+    """Comment lines about a run, or about its kept table: program, machine, title, and the digest of the end if the run reached it."""
     said = [f"# {line}" for line in read_series(results).provenance if not line.startswith("case:")]
     end = results / "complete"
     return said + [f"# {line}" for line in complete_lines(end) if line.startswith("digest")] if end.exists() else said

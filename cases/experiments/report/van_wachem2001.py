@@ -1,10 +1,10 @@
-"""Sets the flat bed of van Wachem et al. (2001) beside its experiment: pressure, voidage and height over time, and the spectrum.
+"""Compares the flat bed of van Wachem et al. (2001) with its experiment: pressure, voidage and height over time, and the spectrum.
 
     talcum run cases/experiments/van-wachem2001.toml
     scripts/report van-wachem2001 results/van-wachem2001
 
-What was measured is in cases/experiments/measured. With --keep the signals of the run go to a small table as well, which this
-script reads in place of a run.
+The measured values are in cases/experiments/measured. With --keep the signals of the run are also written to a small table, which
+this script reads in place of a run.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ INTERVAL = 0.01
 DECLINE = (4.0, 20.0)
 """Frequencies over which the spectrum falls as a power [Hz]."""
 NORMAL_QUANTILE = 1.96
-"""Of the normal distribution, for a confidence of 95 %."""
+"""Quantile of the normal distribution, for a confidence of 95 %."""
 
 
 @dataclass
 class Quantity:
-    """What is compared."""
+    """The signals that are compared."""
 
     record: str
     """The experiment's record."""
@@ -77,7 +77,7 @@ class Signal:
 
     @property
     def duration(self) -> float:
-        """From the first to the last time."""
+        """The duration from the first to the last time."""
         return float(self.time[-1] - self.time[0])
 
     @property
@@ -97,15 +97,15 @@ class Signal:
         return (len(rises) - 1) / (rises[-1] - rises[0]) if len(rises) > 1 else float("nan")
 
     def at(self, time: Array) -> Signal:
-        """The same at other times, by straight lines between the values."""
+        """The signal at other times, by linear interpolation."""
         return Signal(time, np.interp(time, self.time, self.values))
 
     def even(self) -> Signal:
-        """The same at equal intervals."""
+        """The signal at equal intervals."""
         return self.at(np.arange(self.time[0], self.time[-1] + 1e-9, INTERVAL))
 
     def windows(self, duration: float) -> list[Signal]:
-        """As many windows of this duration as there is room for."""
+        """All windows of this duration that fit."""
         rows = round(duration / INTERVAL)
         firsts = range(0, len(self.time) - rows + 1, rows)
         return [Signal(self.time[first : first + rows], self.values[first : first + rows]) for first in firsts]
@@ -153,7 +153,7 @@ def reach(file: Path) -> Signal:
 
 
 def between(signal: Signal, start: float, end: float) -> Signal:
-    """What comes between two times."""
+    """The part between two times."""
     rows = (signal.time >= start - 1e-9) & (signal.time <= end + 1e-9)
     if np.count_nonzero(rows) < 2:
         raise ResultsError(f"the run has not reached {start:g} s, from which it is compared")
@@ -216,7 +216,7 @@ class Spectrum:
 
     @property
     def slope(self) -> float:
-        """Of a straight line through the logarithms, over the frequencies of DECLINE."""
+        """Slope of a straight line through the logarithms, over the frequencies of DECLINE."""
         rows = (self.frequency >= DECLINE[0]) & (self.frequency <= DECLINE[1])
         return float(np.polyfit(np.log(self.frequency[rows]), np.log(self.density[rows]), 1)[0])
 
@@ -232,13 +232,13 @@ def spectrum_of(pressure: Signal, segment: float) -> Spectrum:
 
 
 def measured_spectrum() -> Spectrum:
-    """The experiment's, as printed but for its units."""
+    """The experiment's spectrum, as printed except for its units."""
     found = columns(MEASURED / "van-wachem2001-spectrum.csv", ["density"], along="frequency")["density"]
     return Spectrum(found.time, found.values / integral(found.time, found.values))
 
 
 def integral(places: Array, values: Array) -> float:
-    """By the trapezoidal rule."""
+    """The integral by the trapezoidal rule."""
     return float(np.sum(0.5 * np.diff(places) * (values[1:] + values[:-1])))
 
 

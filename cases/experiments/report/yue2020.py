@@ -1,10 +1,10 @@
-"""Sets the spouted bed of Yue et al. (2020) beside its experiment: the mean speed of the beads over the width, at six heights.
+"""Compares the spouted bed of Yue et al. (2020) with its experiment: the mean speed of the beads over the width, at six heights.
 
     talcum run cases/experiments/yue2020.toml
     scripts/report yue2020 results/yue2020
 
-Speeds are those of particles near the front and the back wall, where the camera sees them, from particles.vtkhdf. What was
-measured is in cases/experiments/measured. With --keep the speeds go to a small table as well, which this script reads in place
+Speeds are those of particles near the front and the back wall, where the camera sees them, from particles.vtkhdf. The measured
+values are in cases/experiments/measured. With --keep the speeds are also written to a small table, which this script reads in place
 of a run.
 """
 
@@ -40,7 +40,7 @@ from .experiment import MEASURED, provenance
 AT_REST = 0.2
 """Height of the bed at rest [m]."""
 MIDDLE = 0.14
-"""Where the jet enters along x [m]."""
+"""Place along x where the jet enters [m]."""
 DEPTH = 0.04
 """Depth of the box along y [m]."""
 SEEN = 3.75e-3

@@ -1,4 +1,4 @@
-"""scripts/report liu2016: builds the page, or keeps what it shows of runs."""
+"""scripts/report liu2016: builds the page, or keeps its data of runs."""
 
 from paper_report.command import run
 

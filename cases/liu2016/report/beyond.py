@@ -1,4 +1,4 @@
-"""Beyond the figures of Liu et al. (2016): what the paper leaves open, and readings of it by which agglomerates last longer."""
+"""Beyond the figures of Liu et al. (2016): choices that the paper leaves open, and readings of it in which agglomerates last longer."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .tables import SHOWN, panels, read, sources, table
 LAGS = {"10ms": 0.01, "30ms": 0.03, "50ms": 0.05}
 """Lags at which the studies count agglomerates [s], by the end of their columns."""
 LONG_LAGS = LAGS | {"100ms": 0.1, "300ms": 0.3}
-"""Those of the study of agglomerates that last."""
+"""Lags of the study of lasting agglomerates."""
 READINGS = (
     "as it stands", "drag exponent 1.65", "drag factor 0.15", "primary particles of 5 nm", "primary particles of 1 nm", "friction 0.7", "tangential spring 1.6 N/m",
     "restitution 0.3", "plasticity index 0.5", "friction limited by the net force", "reloading along the limit of adhesion", "smooth walls",
@@ -34,7 +34,7 @@ LASTING: dict[str, dict[str, float | str]] = {
     "d_NP = 1 nm": {"primary_diameter": 1.0e-9}, "plasticity index 0.5": {"loading_stiffness": 1.0},
     "cells of six diameters": {"cells": "[8, 3, 40]"},
 }  # fmt: skip
-"""What `lasting-agglomerates` varies, by the value that differs from the case."""
+"""The changes of `lasting-agglomerates`, by the value that differs from the case."""
 PAPER = "C_N of the bed 2 to 3, in agglomerates 3; packing 0.2 to 0.3, D_f 1.9 to 2.3; agglomerates outlive 0.1 s"
 
 
@@ -63,14 +63,14 @@ def depth(results: Path) -> Section | None:
         return None
     paper = "2 to 3 for the whole bed; agglomerates outlive 0.1 s"
     statements = [Statement(f"{row['count']} particles", paper, in_words(points, row), None) for row in points.rows]
-    text = ("The paper does not tell its number of particles. Beds 1.05 and 4.2 mm deep at a packing of 0.5, in a box of the paper's height; t_0 = 0.3 s; "
+    text = ("The paper does not give its number of particles. Beds 1.05 and 4.2 mm deep at a packing of 0.5, in a box of the paper's height; t_0 = 0.3 s; "
             "C_N of the bed is the mean from 0.2 s on.")  # fmt: skip
     return Section("The number of particles", text, statements, [drawn(points, [f"{row['count']}" for row in points.rows])],
                    [made_by("liu2016", "depth", points)])  # fmt: skip
 
 
 def readings(results: Path) -> Section | None:
-    """Readings of what the paper leaves open."""
+    """Choices that the paper leaves open."""
     points = table(results, "readings")
     if points is None:
         return None
@@ -80,7 +80,7 @@ def readings(results: Path) -> Section | None:
         "rho250vdw20ug4 in the small box, one change at a time, from the same developed bed; t_0 is 0.1 s after the change. Lifetimes in the paper are "
         "ten times as long."
     )
-    return Section("Readings of what the paper leaves open", text, statements, [drawn(points, names)], [made_by("liu2016", "readings", points)])
+    return Section("Choices that the paper leaves open", text, statements, [drawn(points, names)], [made_by("liu2016", "readings", points)])
 
 
 def lasting(results: Path) -> Section | None:

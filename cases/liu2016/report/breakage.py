@@ -24,7 +24,7 @@ PROPERTIES = {
     "packing_fraction": ("packing fraction", 1.0),
     "fractal_dimension": ("D_f", 1.0),
 }
-"""What Figs 9 and 10 show: label, factor."""
+"""The quantities of Figs 9 and 10: label, factor."""
 TOLD_LAGS = (0.01, 0.03, 0.05)
 """Lags at which what is left of agglomerates is described [s]."""
 
@@ -71,8 +71,8 @@ def breakage(results: Path) -> Section | None:
     curves(right, found, "lag", "diameter", "d_agg [mm], weighted by mass", 1.0e3, reference_time=REFERENCE)
     left.set_yscale("log")
     text = (
-        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (looked at every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s). "
-        "Critical times are those of runs with looks every 2 ms, from 0.3 and 0.4 s on. Agglomerates of t_0 = 0.3 s last for a shorter time than those of "
+        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (sampled every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s). "
+        "Critical times come from runs sampled every 2 ms, from 0.3 and 0.4 s on. Agglomerates of t_0 = 0.3 s last for a shorter time than those of "
         "0.6 and 0.9 s."
     )
     made = [*sources(results), *sources(results, BREAKAGE)]
@@ -80,7 +80,7 @@ def breakage(results: Path) -> Section | None:
 
 
 def share_kept(rows: StudyTable, lag: float) -> list[float]:
-    """Of each run and window: agglomerates at a lag over those at the first."""
+    """The agglomerates at a lag over those at the first lag, for each run and window."""
     at: dict[tuple[str, str], dict[float, float]] = {}
     for row in rows.rows:
         key = (row["seed"], row["reference_time"])
@@ -89,7 +89,7 @@ def share_kept(rows: StudyTable, lag: float) -> list[float]:
 
 
 def told_by_window(found: StudyTable, lag: float) -> str:
-    """Of each case of which there are several windows: the parts left at a lag, means over the seeds, by t_0."""
+    """The parts left at a lag, as means over the seeds, by t_0, for each case that has several windows."""
     told_cases = []
     for case in CASES:
         rows = found.where(case=case)
@@ -106,7 +106,7 @@ def of_lag(rows: StudyTable, lag: float) -> list[float]:
 
 
 def lag_table(found: StudyTable) -> list[list[str]]:
-    """What is left of agglomerates at some lags, of the windows in which some are; the first row is the head."""
+    """The agglomerates that are left at some lags, in the windows that have some; the first row is the head."""
     names = ("coordination_number", "packing_fraction", "fractal_dimension")
     rows = []
     for case in CASES:

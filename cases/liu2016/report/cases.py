@@ -1,4 +1,4 @@
-"""The eight cases of Liu et al. (2016) side by side: what the paper says of each quantity, and what the small beds give; and what the whole box changes."""
+"""The eight cases of Liu et al. (2016) side by side: the paper's statement on each quantity, the small beds, and the effect of the whole box."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cases(results: Path) -> Section | None:
         return None
     text = (
         "Small beds, from 0.3 s on. The four cases of Fig. 3 have three windows of 0.3 s in each of their runs, the others one, from 0.3 s on, in "
-        "which agglomerates of the cases of Fig. 3 are short-lived (Fig. 8). What is said of agglomerates is at the lag 0.01 s. ± is half of the interval of 95 % confidence over "
+        "which agglomerates of the cases of Fig. 3 are short-lived (Fig. 8). Values for agglomerates are at the lag 0.01 s. ± is half of the interval of 95 % confidence over "
         "seeds, or over windows and seeds."
     )
     return Section("Table 2, case by case", text, sources=sources(results), table=found)
@@ -73,12 +73,12 @@ def boxes(results: Path) -> list[list[str]]:
 
 
 def box(results: Path) -> Section | None:
-    """What the whole box changes."""
+    """The part of the page about the effect of the whole box."""
     found = boxes(results)
     if not found:
         return None
     text = (
-        f"{FOLLOWED} in the paper's box of 4 x 0.8 x 20 mm for 0.6 s, beside the small one. One seed and one window, of t_0 = 0.3 s, in which agglomerates "
+        f"{FOLLOWED} in the paper's box of 4 x 0.8 x 20 mm for 0.6 s, compared with the small one. One seed and one window, of t_0 = 0.3 s, in which agglomerates "
         "of the small box are short-lived too (Fig. 8). "
         "With eight times as many particles it has eight times as many agglomerates if the box does not matter."
     )

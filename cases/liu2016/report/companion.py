@@ -35,7 +35,7 @@ def heap(results: Path) -> Section | None:
     panel.set_xlabel("Bond number")
     panel.set_ylabel("angle of repose [degrees]")
     text = (
-        "A block of 5,400 particles slumps on a plate with open ends. The companion paper's numbers could not be had; that the angle grows is its finding. "
+        "A block of 5,400 particles slumps on a plate with open ends. The companion paper's numbers were not available; it finds that the angle grows. "
         "For comparison: rounded grains in rotating drums have about 25 degrees (Kleinhans et al., J. Geophys. Res. 116 (2011) E11004); their shape "
         "hinders rolling, while these spheres roll without resistance."
     )
@@ -68,7 +68,7 @@ def fluidisation(results: Path) -> Section | None:
         figures.append((energies(curves), "Energy of fluctuations over time, means over 50 ms; left at 2 cm/s, right at 4 cm/s."))
         made.append(f"Over time: {curves.file.name}, which holds the digests of its runs; made by scripts/report liu2016 --keep.")
     text = (
-        "Means from 0.4 to 0.6 s. Gas velocity and drag factor of the companion paper's runs are not given in the material at hand: two velocities, one factor. "
+        "Means from 0.4 to 0.6 s. We do not know the gas velocity and drag factor of the companion paper's runs, so there are two velocities and one factor. "
         "A bed that comes to rest loses its energy of fluctuations, and its pressure drop is steady; a bed that rises as one plug has little of this energy, too."
     )
     return Section("Companion paper: fluidisation over the Bond number", text, statements, figures, made)

@@ -1,8 +1,8 @@
-"""What the runs of Liu et al. (2016) give over time and lag, as small tables that
+"""Results of the runs of Liu et al. (2016) over time and lag, as small tables that
 `scripts/report liu2016 --keep` keeps with the cases.
 
-A table has a row for each run and time, and names the run by the paper's name of its case and by its seed. `table` reads what the
-runs in a folder of results give, or what is kept where they are not there.
+A table has a row for each run and time, and names the run by the paper's name of its case and by its seed. `table` reads the
+results of the runs in a folder, or the kept tables if there are no runs.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ import numpy as np
 
 KEPT = Path(__file__).resolve().parent.parent / "results"
 STUDIES = ("fig3-cases", "other-cases")
-"""Of which there are curves."""
+"""The studies that have curves."""
 BREAKAGE = ("breakage",)
-"""Of which there are critical times and rates."""
+"""The studies that have critical times and rates."""
 WHOLE_BOX = ("full-box",)
-"""The paper's box, of which there are agglomerates and dispersion; their tables are kept as `whole-agglomerates` and so on."""
+"""The paper's box, which has agglomerates and dispersion; the tables are kept as `whole-agglomerates` and so on."""
 WHOLE_PREFIX = "whole-"
 FLUIDISATION = ("fluidisation",)
-"""The companion paper's beds over the Bond number, of which there are means over intervals of time."""
+"""The companion paper's beds over the Bond number, with means over intervals of time."""
 ALL_STUDIES = studies_of(KEPT)
 INTERVAL = 0.01
 """Interval over which the series is averaged [s]."""
 LONG_INTERVAL = 0.05
-"""That of the companion paper's beds [s]."""
+"""The interval for the companion paper's beds [s]."""
 FOLLOWED = "rho250vdw20ug4"
 """The case of which the paper shows distributions."""
 PARTICLE = 40.0e-6
@@ -118,7 +118,7 @@ def intervals(time: Array, length: float) -> Iterator[tuple[float, Array]]:
 
 
 def in_time(run: Run) -> Rows:
-    """Means of a bed over intervals of 50 ms: how it goes on moving or comes to rest (companion paper)."""
+    """Means of a bed over intervals of 50 ms, which show whether it keeps moving or comes to rest (companion paper)."""
     found = read_series(run.folder)
     names = {
         "fluctuating_kinetic_energy": "fluctuating_kinetic_energy [J]", "grid_pressure_drop": "pressure_drop", "gas_force": "gas_force",
@@ -152,7 +152,7 @@ def dispersion(run: Run) -> Rows:
 
 
 def critical(run: Run) -> Rows:
-    """Critical times of each window, by looks every 2 ms (Fig. 8c)."""
+    """Critical times of each window, from samples every 2 ms (Fig. 8c)."""
     found = run.rows("agglomerates", "windows")
     for row, reference in enumerate(found["reference_time"]):
         yield {"reference_time [s]": float(reference)} | {f"{name} [s]": float(found[name][row]) for name in ("most", "few", "steady")}
@@ -213,7 +213,7 @@ def rates(run: Run) -> Rows:
 TABLES = {table.__name__: (STUDIES, table) for table in (series, agglomerates, dispersion, displacements, contacts, singles)} | {
     table.__name__: (BREAKAGE, table) for table in (critical, rates)
 } | {f"{WHOLE_PREFIX}{table.__name__}": (WHOLE_BOX, table) for table in (agglomerates, dispersion)} | {IN_TIME: (FLUIDISATION, in_time)}
-"""Of which studies each table is, and what gives its rows of a run."""
+"""The studies of each table, and the function that gives its rows for a run."""
 
 
 def made(results: Path, name: str) -> StudyTable | None:

@@ -1,4 +1,4 @@
-"""Drag from the local agglomerates in place of one factor, which Liu et al. (2016) wish for: two cases beside runs with one factor."""
+"""Drag from the local agglomerates in place of one factor, as Liu et al. (2016) propose: two cases, compared with runs with one factor."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SHOWN = {
 
 
 def drag(_: Path) -> Section | None:
-    """What drag from the agglomerates changes."""
+    """The part of the page about drag from the agglomerates."""
     file = curves.KEPT / FILE
     if not file.exists():
         return None
@@ -43,11 +43,11 @@ def drag(_: Path) -> Section | None:
     text = (
         "Each particle's xi follows from size and packing of the agglomerate that it is in. Two cases with half of the small bed's width (6,250 particles): 0.05 or "
         "0.1 s with xi = 0.2, then three ways from the same state. Means from 0.11 to 0.13 s (rho250vdw20ug4) and from 0.18 to 0.22 s (rho137vdw20ug2), "
-        "while the bed still remembers its start: they show in which direction the drag moves the bed, no steady state. The pressure drop holds the "
-        "friction of the gas at the walls. Agglomerates: sets of 15 and more whose contacts last for 1 ms, means weighted by mass."
+        "while the bed still remembers its start: they show the direction in which the drag moves the bed, not a steady state. The pressure drop includes the "
+        "friction of the gas at the walls. Agglomerates are sets of 15 or more whose contacts last for 1 ms; means are weighted by mass."
     )
     commit = found.provenance.get("commit", "unknown")[:10]
-    made = f"Made by: talcum run, then talcum restart with --set, as cases/liu2016/README.md tells (commit {commit}). Numbers: {FILE}; digests were not kept."
+    made = f"Made by: talcum run, then talcum restart with --set, as in cases/liu2016/README.md (commit {commit}). Numbers: {FILE}; digests were not kept."
     return Section("Drag from the agglomerates", text, statements, [(bars_of(found), "Two cases, one run for each drag.")], [made], rows_of(found))
 
 

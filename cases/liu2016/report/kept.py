@@ -1,5 +1,5 @@
-"""Keeps what the page of Liu et al. (2016) shows of the runs themselves beside the tables of the studies: curves over time and lag, pictures of
-beds and agglomerates, and how long runs took. Of a study that was not run here what is kept stays as it is.
+"""Keeps the data of the runs themselves that the page of Liu et al. (2016) shows besides the tables of the studies: curves over time and lag,
+figures of beds and agglomerates, and run times. If a study was not run here, its kept data stay unchanged.
 
     talcum study cases/liu2016/studies/fig3-cases.toml
     talcum study cases/liu2016/studies/other-cases.toml
@@ -22,7 +22,7 @@ from .curves import ALL_STUDIES
 
 
 def keep(results: Path, folder: Path) -> None:
-    """Keeps what the runs in the folder of results give."""
+    """Keeps the data of the runs in the folder of results."""
     if not curves.runs_of(results) and not run_times.made(results, ALL_STUDIES):
         raise ResultsError(f"{results}: no complete run of {', '.join(ALL_STUDIES)}")
     folder.mkdir(parents=True, exist_ok=True)

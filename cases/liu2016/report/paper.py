@@ -1,4 +1,4 @@
-"""The page of Liu, van Wachem, Mudde, Chen & van Ommen (2016): every figure that was run, beside what the paper says of it."""
+"""The page of Liu, van Wachem, Mudde, Chen & van Ommen (2016): every figure that was run, compared with the text of the paper."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .kept import keep
 TITLE = "Liu, van Wachem, Mudde, Chen & van Ommen (2016) with Talcum"
 INTRODUCTION = (
     "Agglomerates of nanoparticles of 40 um in air: the cases of table 2 in a box of 2 x 0.4 x 10 mm with 12,500 particles, a quarter of the paper's "
-    "cross-section and half of its height. The paper does not tell its number of particles. Intervals are those of 95 % confidence over windows of time and seeds."
+    "cross-section and half of its height. The paper does not give its number of particles. Intervals are those of 95 % confidence over windows of time and seeds."
 )
 
 
 def times_of_runs(results: Path) -> Section | None:
-    """How long the runs took."""
+    """The run times."""
     return run_times.section(results, curves.KEPT, curves.ALL_STUDIES)
 
 

@@ -32,7 +32,7 @@ SINGLE = (np.inf, 200.0, 60.0, 20.0)
 """Numbers of members of the agglomerates that are taken out: the largest, and those nearest to some others."""
 GREY = (0.88, 0.88, 0.88)
 COLOURS = np.array([colour for colour in colormaps["tab20"].colors if np.ptp(colour) > 0.01])
-"""Those of a map that are no greys."""
+"""The colours of a map that are not greys."""
 
 
 @dataclass
@@ -151,7 +151,7 @@ def draw_single(panel: Axes, shot: Snapshot, name: int) -> None:
 
 
 def told(properties: dict[str, Array], time: float, name: int) -> str:
-    """What the measure says of an agglomerate."""
+    """The measured properties of an agglomerate, as text."""
     row = int(np.flatnonzero((np.abs(properties["time"] - time) < 1e-6) & (properties["label"] == name))[0])
     found = {key: float(properties[key][row]) for key in ("members", "diameter", "coordination_number", "packing_fraction", "fractal_dimension")}
     return (
@@ -193,7 +193,7 @@ def flow(results: Path, case: str) -> Figure | None:
 PICTURES: dict[str, Callable[[Path], Figure | None]] = {"cases": cases, "lags": lags, "box": partial(lags, studies=WHOLE_BOX, width=4.0e-3), "singly": singly, "tagged": tagged} | {
     f"flow-{case}": lambda results, case=case: flow(results, case) for case in SHOWN
 }
-"""By the name of the file that is kept."""
+"""The figures by the names of the kept files."""
 
 
 def pictured(results: Path, name: str) -> Figure | None:
@@ -216,4 +216,4 @@ def save(drawn: Figure, file: Path) -> None:
     drawn.savefig(image, format="png", dpi=80, bbox_inches="tight")
     colours = Image.open(image).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     colours.save(file, optimize=True)
-    print(f"picture: {file}")
+    print(f"figure: {file}")

@@ -31,7 +31,7 @@ FACTORS = {
     "gas velocity": (("rho137vdw20ug2", "rho137vdw20ug3", "rho137vdw20ug4"), ("rho250vdw20ug2", "rho250vdw20ug3", "rho250vdw20ug4")),
     "Bond number": (("rho250vdw5ug4", "rho250vdw10ug4", "rho250vdw20ug4"),),
 }
-"""Series of cases in which one thing grows."""
+"""Series of cases in which one variable grows."""
 
 Values = dict[str, Estimate]
 """A quantity by the name of the case."""
@@ -108,7 +108,7 @@ def cell(found: Estimate | None, factor: float = 1.0) -> str:
 
 
 def trends(quantity: str, values: Values, rises: dict[str, bool], scale: float = 1.0) -> list[Statement]:
-    """For each thing that grows: what the paper says that the quantity does, what was found (times a factor for the unit), and whether
+    """For each variable that grows: the paper's statement on the quantity, the result (times a factor for the unit), and whether
     all its series agree."""
     statements = []
     for factor, grows in rises.items():
@@ -146,7 +146,7 @@ def bars(panel: Axes, values: Values, label: str, scale: float = 1.0) -> None:
 
 
 def sources(results: Path, studies: tuple[str, ...] = STUDIES) -> list[str]:
-    """Where the numbers of the paper's cases come from."""
+    """The origin of the numbers of the paper's cases."""
     known = [(name, table(results, name)) for name in studies]
     return [made_by("liu2016", name, points) for name, points in known if points]
 

@@ -1,1 +1,1 @@
-"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, beside what the paper says of it. `scripts/report moon2006` builds it."""
+"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, compared with the text of the paper. `scripts/report moon2006` builds it."""

@@ -1,4 +1,4 @@
-"""scripts/report moon2006: builds the page, or keeps what it shows of runs."""
+"""scripts/report moon2006: builds the page, or keeps its data of runs."""
 
 from paper_report.command import run
 

@@ -1,4 +1,4 @@
-"""What Moon, Kevrekidis & Sundaresan (2006) wish for: a distributor and a compressible gas; wide.py has three dimensions."""
+"""Extensions that Moon, Kevrekidis & Sundaresan (2006) propose: a distributor and a compressible gas; wide.py has three dimensions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .tables import source, table
 
 GAMMA = 0.1
 SUSPENSION = (0.393, 30.8, 7.0)
-"""Of the study `compressible`: the plate's acceleration; solids fraction, height and Stokes number of the bed as it begins."""
+"""Numbers of the study `compressible`: the plate's acceleration, and the initial solids fraction, height and Stokes number of the bed."""
 
 
 def distributor(results: Path) -> Section | None:
@@ -47,7 +47,7 @@ def distributor(results: Path) -> Section | None:
         panel.set_ylim(0.5 * min(means), 2.0 * max(means))
         panel.set_xlabel("height of the plenum [d]")
     introduction = (
-        "The paper takes U_s as constant in the frame of the plate and wishes for a distributor of finite resistance. Here gas flows "
+        "The paper takes U_s as constant in the frame of the plate and proposes a distributor of finite resistance. Here gas flows "
         "at 0.016 into a plenum at atmospheric pressure (2.3e5 in these units) below the bed of Figs 6 to 9, and through a "
         "distributor of linear resistance; that of the bed is about 1,800. U_s follows the cycle if the plenum is high and the "
         "distributor weak."
@@ -120,7 +120,7 @@ def compressible(results: Path) -> Section | None:
             told, expectation = f"off linear theory by up to {100.0 * error:.1f} %", "incompressible limit, no resonance"
         statements.append(Statement(f"pressure below the bed, P = {pressure:g}", f"linear theory in place of the paper: {expectation}; agrees within 10 % of its peak", told, error < 0.1))
     introduction = (
-        "The paper wishes for a compressible gas, for the resonance of vibrated beds. Here 448 particles (phi 0.393, 30.8 d "
+        "The paper proposes a compressible gas, for the resonance of vibrated beds. Here 448 particles (phi 0.393, 30.8 d "
         "high, St 7) hang in the gas that carries them, above a plate that is shaken with Gamma 0.1. Without contacts the bed is a "
         "fluid with the speed of sound c = sqrt(P / (rho_s phi (1 - phi))), and resonates when a quarter of a wave is in it."
     )

@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 from .tables import made_or_kept, sources, table
 
 FREQUENCY = 0.16
-"""Of the plate."""
+"""Frequency of the plate."""
 STEADY = 62.5
 """Time from which cycles are averaged: the fourth."""
 PHASES = 100
-"""As many as rows of the series."""
+"""Bins of a cycle, as many as rows of the series."""
 STUDIES = {"fig7": "2e5", "fig8": "2e6"}
 """Their particles' k_n."""
 WALLS = (0.0, 40.0)
@@ -40,7 +40,7 @@ def curves(results: Path) -> StudyTable | None:
 
 
 def made(results: Path) -> StudyTable | None:
-    """The same of the runs that are here."""
+    """The curves of the runs that are here."""
     rows: list[dict[str, str]] = []
     provenance = {"title": "Figs 6 to 9: means at equal phases of cycles 4 to 8, the first bed of each kind"}
     for study in STUDIES:

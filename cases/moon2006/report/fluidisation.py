@@ -15,7 +15,7 @@ from .tables import source, sources, table
 
 PAPER_U_MF, PAPER_PACKING = 0.022, 0.652
 GAS = 0.12
-"""Of the developed bed; the other two velocities of Fig. 1 are those of the study `fig1`."""
+"""Gas velocity of the developed bed; the study `fig1` has the other two velocities of Fig. 1."""
 
 
 def minimum_fluidisation(results: Path) -> Section | None:
@@ -80,12 +80,12 @@ def lower_velocities(results: Path) -> Section | None:
 
 
 def other_sections(results: Path) -> Section | None:
-    """The same waves in a deeper and in a wider bed."""
+    """Compares the waves in a deeper and in a wider bed."""
     points, fast = table(results, "fig1-sections", "points"), table(results, "developed-bed", "points")
     if points is None or fast is None or not points.rows:
         return None
     usual = fast.estimate(fast.rows[0], "speed")
-    statements = [Statement("speed with 3,000 particles in 5 x 5 x 240 d", "not given in words", str(usual), None)]
+    statements = [Statement("speed with 3,000 particles in 5 x 5 x 240 d", "not given in the text", str(usual), None)]
     for row in points.rows:
         speed = points.estimate(row, "speed")
         lengths = " x ".join(f"{float(length):g}" for length in row["lengths"].strip("[]").split(","))
@@ -96,7 +96,7 @@ def other_sections(results: Path) -> Section | None:
 
 
 def choices(results: Path) -> Section | None:
-    """The same waves with half of the time step, and with drag in all directions."""
+    """Compares the waves with half of the time step, and with drag in all directions."""
     points, fast = table(results, "fig1-choices", "points"), table(results, "developed-bed", "points")
     if points is None or fast is None:
         return None

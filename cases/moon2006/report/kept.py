@@ -1,5 +1,5 @@
-"""Keeps what the page of Moon, Kevrekidis & Sundaresan (2006) shows of the runs themselves beside the tables of the studies: pictures over height
-and time, of the map and of the wave's frame, curves over the plate's cycle, how plane the waves of the wide bed are, and how long runs took.
+"""Keeps the data of the runs themselves that the page of Moon, Kevrekidis & Sundaresan (2006) shows besides the tables of the studies: figures over
+height and time, of the map and of the wave's frame, curves over the plate's cycle, the planeness of the waves in the wide bed, and run times.
 
     scripts/report moon2006 --keep cases/moon2006/results
 """
@@ -16,7 +16,7 @@ from .tables import STUDIES
 
 
 def keep(results: Path, folder: Path) -> None:
-    """Keeps what the runs in the folder of results give."""
+    """Keeps the data of the runs in the folder of results."""
     folder.mkdir(parents=True, exist_ok=True)
     pictures.keep(results, folder)
     state_map.keep(results, folder)

@@ -1,4 +1,4 @@
-"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, beside what the paper says of it."""
+"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, compared with the text of the paper."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def figure_1(results: Path) -> Section | None:
     gas, front = points.estimate(row, "gas_force"), points.estimate(row, "front_speed")
     statements = [
         Statement("bed at U_s 0.12", "alternating plugs and voids that rise periodically", row["waves"].replace("_", " "), None),
-        Statement("speed of the waves", "not given in words", str(speed), None),
-        Statement("wavelength; period", "not given in words", f"{length}; {period}", None),
+        Statement("speed of the waves", "not given in the text", str(speed), None),
+        Statement("wavelength; period", "not given in the text", f"{length}; {period}", None),
         Statement("gas force over the weight", "1 above minimum fluidisation", str(gas), within(gas.mean, 1.0, 0.02)),
         Statement("front by which waves climb through the poured bed", "not shown", str(front), None),
     ]
@@ -67,7 +67,7 @@ def figure_2(results: Path) -> Section | None:
     figures += beds(results, "fig2")
     text = (
         "Cohesion is switched on in the developed bed (the final states of Fig. 1); measured 75 to 150 time units later. The paper's "
-        "words allow two readings of Coulomb's limit: from the net normal force, or from the contact force alone."
+        "text allows two readings of Coulomb's limit: from the net normal force, or from the contact force alone."
     )
     return Section("Fig. 2: waves slow down and freeze as cohesion grows", text, statements, figures, [source("fig2", points)])
 
@@ -95,7 +95,7 @@ def figure_3(results: Path) -> Section | None:
     figures += beds(results, "fig3")
     text = (
         "Cohesion (Bo 20) and vibration (f 0.16) are switched on in the developed bed; measured from 25 to 100 time units "
-        "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same. Waves are told in two ways: "
+        "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same. Waves are measured in two ways: "
         "by the material that they sweep, which counts a single gap that crosses it, and by windows of heights and times in which a pattern repeats."
     )
     return Section("Fig. 3: vibration brings the waves back", text, statements, figures, sources(("fig3", points), ("fig3-contact", contact)))
@@ -130,7 +130,7 @@ def returns(runs: StudyTable, measure: str) -> Estimate:
 
 
 def times_of_runs(results: Path) -> Section | None:
-    """How long the runs took."""
+    """The run times."""
     return run_times.section(results, tables.KEPT, tables.STUDIES)
 
 

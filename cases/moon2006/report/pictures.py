@@ -91,4 +91,4 @@ def keep(results: Path, folder: Path) -> None:
 def save(drawn: Figure, file: Path) -> None:
     """Stores a picture."""
     drawn.savefig(file, dpi=75)
-    print(f"picture: {file}")
+    print(f"figure: {file}")

@@ -1,4 +1,4 @@
-"""Which real powder the Bond numbers of Moon, Kevrekidis & Sundaresan (2006) mean: beyond the paper."""
+"""The real powders that correspond to the Bond numbers of Moon, Kevrekidis & Sundaresan (2006), beyond the paper."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .pictures import beds
 from .tables import source, table
 
 HAMAKER, RADIUS, DENSITY, CUT_OFF, GRAVITY = 1.0e-19, 25.0e-6, 900.0, 4.0e-10, 9.81
-"""Of the case: Hamaker's constant [J], radius [m] and density [kg/m3] of a particle, distance of contact [m], gravity [m/s2]."""
+"""Parameters of the case: Hamaker's constant [J], radius [m] and density [kg/m3] of a particle, distance of contact [m], gravity [m/s2]."""
 VELOCITY = (GRAVITY * 2.0 * RADIUS) ** 0.5
 """The paper's unit of velocity [m/s]."""
 

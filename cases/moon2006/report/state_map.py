@@ -1,4 +1,4 @@
-"""What beds do over Bond number and Gamma, and what the critical Bond number depends on: beyond Moon et al. (2006)."""
+"""The behaviour of beds over Bond number and Gamma, and the dependence of the critical Bond number, beyond Moon et al. (2006)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MARKS = {
 SOFT = 2.0e5
 """k_n of Fig. 4."""
 CUT_OFF, RANGE = 8.0e-6, 0.01
-"""Of the attraction in the cases: constant up to the one, then as the inverse square up to the other."""
+"""Cut-off and range of the attraction in the cases: it is constant up to the first, then falls as the inverse square up to the second."""
 
 
 def drawn(runs: StudyTable, lines: list[tuple[float, StudyTable]]) -> Figure:
@@ -104,7 +104,7 @@ def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
 
 
 def work_of_parting(bond_number: float, stiffness: float) -> float:
-    """What it takes to part two particles: the work of the attraction, and what it has stored in the spring."""
+    """The work that separates two particles: that of the attraction, and that stored in the spring."""
     force = bond_number * np.pi / 6
     return force * CUT_OFF * (2 - CUT_OFF / RANGE) + force**2 / (2 * stiffness)
 

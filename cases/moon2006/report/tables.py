@@ -24,23 +24,23 @@ def made_or_kept(made: StudyTable | None, name: str) -> StudyTable | None:
 
 
 def source(study: str, points: StudyTable) -> str:
-    """Where the numbers of a section come from, and how to make them again."""
+    """The origin of the numbers of a section, and how to repeat them."""
     return made_by("moon2006", study, points)
 
 
 def sources(*studies: tuple[str, StudyTable | None]) -> list[str]:
-    """The same for the studies of which there are tables."""
+    """The origin of the numbers of those studies that have tables."""
     return [source(study, points) for study, points in studies if points]
 
 
 def states(points: StudyTable, axis: str) -> str:
-    """What the beds of each point do, in words."""
+    """The behaviour of the beds of each point, as text."""
     parts = [f"{float(row[axis]):g}: {row['waves'].replace('_', ' ')}" for row in points.rows]
     return "; ".join(parts)
 
 
 def parts(points: StudyTable, axis: str) -> str:
-    """What parts of heights and times have waves, stand still and rise as a plug, at each point; means over the seeds."""
+    """The parts of heights and times that have waves, stand still and rise as a plug, at each point, as means over the seeds."""
     words = {"share": "waves", "frozen_share": "still", "plug_share": "plug"}
     told = []
     for row in points.rows:

@@ -43,7 +43,7 @@ def without_vibration(results: Path) -> Section | None:
 
 
 def long_times(results: Path) -> Section | None:
-    """What is left of the waves long after cohesion was switched on."""
+    """The waves long after cohesion was switched on."""
     points = table(results, "fig2-long", "points")
     if points is None or not points.rows:
         return None

@@ -1,4 +1,4 @@
-"""What Moon, Kevrekidis & Sundaresan (2006) wish for: three dimensions. A wide bed without and with cohesion and vibration."""
+"""An extension that Moon, Kevrekidis & Sundaresan (2006) propose: three dimensions. A wide bed without and with cohesion and vibration."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def layers(results: Path) -> StudyTable | None:
 
 
 def made(results: Path) -> StudyTable | None:
-    """The same of the runs that are here."""
+    """The values of the runs that are here."""
     runs = table(results, "wide", "runs")
     rows: list[dict[str, str]] = []
     provenance = {"title": "Voidage of the wide bed over time in means of layers, and across layers: standard deviations"}
@@ -68,7 +68,7 @@ def wide_bed(results: Path) -> Section | None:
             text += f"; voidage of a layer varies by {over_time:.2g} over time and by {across:.2g} across the layer"
         statements.append(Statement(f"Bo {bond:g}, Gamma {gamma:g}", "not done: the paper's gas is one-dimensional", text, None))
     text = (
-        "The paper wishes for beds of higher dimensions. This one is 20 d x 20 d wide, some 27 d deep at rest and 31 d fluidised, in a gas of three dimensions on "
+        "The paper proposes beds of higher dimensions. This bed is 20 d x 20 d wide, some 27 d deep at rest and 31 d fluidised, in a gas in three dimensions on "
         "cells of 2 d with a filter of 3 d; it is fluidised for 100 time units before cohesion and vibration are switched on. Measured from 25 "
         "time units later on. A wave is plane if the voidage varies over time much more than across a layer (layers from 4 d to 24 d)."
     )
