@@ -110,31 +110,14 @@
 //! * Neal2015: R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571
 //!   (2015).
 
-pub mod analysis;
-pub mod balance;
-pub mod beds;
-pub mod case;
-pub mod command_line;
-pub mod contact;
-pub mod coupling;
-pub mod domain;
-pub mod fields;
-pub mod gas;
-pub mod grid;
-pub mod input;
-pub mod linear_solver;
-pub mod measures;
-pub mod numbers;
-pub mod output;
-pub mod parallel;
-pub mod particle_sets;
-pub mod particles;
-pub mod post_processing;
-pub mod rules;
-pub mod schema;
-pub mod setup;
-pub mod simulation;
-pub mod state;
-pub mod study;
-pub mod time_step;
-pub mod timers;
+#[doc(inline)]
+pub use talcum_engine::{
+    balance, contact, coupling, domain, fields, gas, grid, linear_solver, numbers, parallel,
+    particle_sets, particles, rules, schema, state, time_step, timers,
+};
+#[doc(inline)]
+pub use talcum_program::{command_line, post_processing, study};
+#[doc(inline)]
+pub use talcum_results::{analysis, measures, output};
+#[doc(inline)]
+pub use talcum_runs::{beds, case, input, setup, simulation};

@@ -1,5 +1,5 @@
-//! The manuals and the editors' schemas of the case file and of the study file are what the tables in src/case/schema and
-//! src/study say.
+//! The manuals and the editors' schemas of the case file and of the study file are what the tables in src/runs/case/schema and
+//! src/program/study say.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

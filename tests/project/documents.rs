@@ -49,8 +49,10 @@ fn ends_like_ours(path: &str) -> bool {
 fn exists(path: &str, document: &str) -> bool {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let beside = Path::new(document).parent().unwrap();
-    [Path::new(""), Path::new("src"), beside]
+    ["", "src", "src/engine", "src/results", "src/runs", "src/program"]
         .iter()
+        .map(Path::new)
+        .chain([beside])
         .any(|folder| root.join(folder).join(path).exists())
 }
 
@@ -87,16 +89,16 @@ fn paths_named_in_documents_exist() {
 
 #[test]
 fn a_path_that_does_not_exist_is_found() {
-    let text = "See `src/timers.rs`, `output/nowhere.rs`, [a](docs/lost.md#there), `a / b`, `results/x.h5`.";
+    let text = "See `src/engine/timers.rs`, `output/nowhere.rs`, [a](docs/lost.md#there), `a / b`, `results/x.h5`.";
     let paths = paths_in(text);
-    assert_eq!(paths, ["src/timers.rs", "output/nowhere.rs", "docs/lost.md"]);
+    assert_eq!(paths, ["src/engine/timers.rs", "output/nowhere.rs", "docs/lost.md"]);
     let missing: Vec<&&str> = paths.iter().filter(|path| !exists(path, "README.md")).collect();
     assert_eq!(missing, [&"output/nowhere.rs", &"docs/lost.md"]);
 }
 
 /// The step between its two marks in the source.
 fn step_in_source() -> String {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/time_step/mod.rs");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/engine/time_step/mod.rs");
     let text = fs::read_to_string(source).unwrap();
     let after = text.split_once("    // [step]\n").unwrap().1;
     after.split_once("    // [/step]").unwrap().0.to_owned()

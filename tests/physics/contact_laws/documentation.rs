@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use talcum::contact::ContactLaw;
 use talcum::gas::DragLaw;
 
-const CONTACT: &str = "src/contact/laws";
-const DRAG: &str = "src/gas/drag";
+const CONTACT: &str = "src/engine/contact/laws";
+const DRAG: &str = "src/engine/gas/drag";
 
 /// Laws whose sources have no DOI: volumes of the 1950s and 1960s that were never registered.
 const WITHOUT_DOI: [&str; 3] = ["ergun", "wen_yu", "wen_yu_creeping"];

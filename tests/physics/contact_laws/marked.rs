@@ -115,7 +115,7 @@ const ANSWERS: [Answer; 11] = [
 
 #[test]
 fn enum_of_laws_forwards_every_method_of_the_trait() {
-    let source = include_str!("../../../src/contact/law.rs");
+    let source = include_str!("../../../src/engine/contact/law.rs");
     let (_, methods) = source.split_once("pub trait ContactForceLaw").unwrap();
     let signatures = methods.lines().filter_map(|line| line.trim().strip_prefix("fn "));
     let mut declared: Vec<&str> = signatures.filter_map(|line| line.split('(').next()).collect();

@@ -110,13 +110,24 @@ pub(crate) fn tokens(code: &str) -> Vec<&str> {
     tokens
 }
 
-/// The modules along the path of a file: `beds/file/mod.rs` is `[beds, file]`.
+/// The folders of `src` that are crates.
+const CRATES: [&str; 4] = ["engine", "results", "runs", "program"];
+
+/// The path of a file in its crate: `runs/beds/file/mod.rs` is `beds/file/mod.rs`.
+pub(crate) fn path_in_crate(file: &str) -> &str {
+    match file.split_once('/') {
+        Some((folder, rest)) if CRATES.contains(&folder) => rest,
+        _ => file,
+    }
+}
+
+/// The modules along the path of a file: `runs/beds/file/mod.rs` is `[beds, file]`.
 pub(crate) fn module_of(file: &str) -> Vec<&str> {
-    let path = file.trim_end_matches(".rs");
+    let path = path_in_crate(file).trim_end_matches(".rs");
     path.trim_end_matches("/mod").split('/').filter(|name| *name != "lib").collect()
 }
 
-/// Every path from the crate's root that a file names: `[contact, lanes, evaluate]`.
+/// Every path from the root of a crate of Talcum that a file names: `[contact, lanes, evaluate]`.
 pub(crate) fn paths_into_the_crate<'a>(file: &'a str, tokens: &[&'a str]) -> Vec<Vec<&'a str>> {
     let here = module_of(file);
     let mut found = Vec::new();
@@ -126,6 +137,7 @@ pub(crate) fn paths_into_the_crate<'a>(file: &'a str, tokens: &[&'a str]) -> Vec
         }
         let (mut next, mut stem) = match tokens[at] {
             "crate" | "talcum" => (at + 1, Vec::new()),
+            name if is_crate(name) => (at + 1, Vec::new()),
             "self" => (at + 1, here.clone()),
             "super" => (at + 1, here[..here.len().saturating_sub(1)].to_vec()),
             _ => continue,
@@ -140,6 +152,11 @@ pub(crate) fn paths_into_the_crate<'a>(file: &'a str, tokens: &[&'a str]) -> Vec
         }
     }
     found
+}
+
+/// Whether a name is that of a crate of Talcum, such as `talcum_engine`.
+fn is_crate(name: &str) -> bool {
+    name.strip_prefix("talcum_").is_some_and(|folder| CRATES.contains(&folder))
 }
 
 /// The paths of a tree: `a::{b, c::d}` gives `[a, b]` and `[a, c, d]`.

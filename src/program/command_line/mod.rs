@@ -1,0 +1,253 @@
+//! The command line: what the user enters, and the actions of the program.
+
+mod analyse;
+mod check;
+mod contact;
+mod info;
+mod keys;
+mod launchers;
+mod log;
+mod memory;
+mod naming;
+mod new;
+mod progress;
+mod ranks;
+mod reading;
+mod report;
+mod run;
+mod shell;
+mod signals;
+mod watch;
+
+use self::launchers::require_one_run;
+use self::log::start_log;
+pub use self::new::Gallery;
+use self::ranks::on_ranks;
+use crate::study::{self, StudyOptions, SummaryOptions};
+use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use talcum_engine::domain::RankGrid;
+use talcum_engine::numbers::check_instruction_set;
+use talcum_engine::parallel::{Communicator, agree};
+use talcum_results::output::{set_commit, unless_closed};
+
+/// CFD-DEM of fluidised beds of fine, cohesive powders: the same bits on any number of ranks.
+///
+/// Start it alone, on N threads with `--threads N`, or on N ranks of MPI with `mpirun -n N talcum ...`.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    #[command(flatten)]
+    OnRanks(RankCommand),
+    /// Measure on the results of a run: waves, bed height, minimum fluidisation, spectra, mixing, agglomerates ...
+    Analyse(analyse::AnalyseOptions),
+    /// Show a run in progress: curves, progress and warnings, in the terminal or in a browser.
+    Watch(watch::WatchOptions),
+    /// Write a commented case to start from: one of the gallery.
+    New(new::NewOptions),
+    /// Run many cases that a study file describes, or report their progress; not under mpirun.
+    Study(StudyOptions),
+    /// Print a table of means of runs.
+    Summary(SummaryOptions),
+    /// Print completions for a shell: what it offers when Tab is pressed after talcum.
+    Completions(shell::CompletionsOptions),
+    /// Write the manual pages, talcum.1 and one for each command.
+    Manual(shell::ManualOptions),
+}
+
+/// What all ranks do together.
+#[derive(Debug, Subcommand)]
+enum RankCommand {
+    /// Read and validate a case, and describe what would run.
+    Check {
+        /// The case file.
+        case: PathBuf,
+        #[command(flatten)]
+        changes: Changes,
+    },
+    /// Run a case to its end.
+    Run {
+        /// The case file.
+        case: PathBuf,
+        #[command(flatten)]
+        options: RunArguments,
+        /// Remove the results of an earlier run in the output folder first.
+        #[arg(long, conflicts_with = "resume")]
+        force: bool,
+        /// Continue from the newest good checkpoint in the output folder, or start from the beginning if there is none.
+        #[arg(long)]
+        resume: bool,
+    },
+    /// Continue from a checkpoint, on any number of ranks.
+    Restart {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        #[command(flatten)]
+        options: RunArguments,
+        /// Remove the results of an earlier run in the output folder first, which must be another one than the checkpoint's.
+        #[arg(long)]
+        force: bool,
+    },
+    /// Print the normal force over the overlap, of two bodies slowly pressed together and pulled apart, as CSV.
+    Contact(contact::ContactOptions),
+    /// Print the keys of the case file or of the study file, or of one section, with unit, range, default and meaning.
+    Keys(keys::KeysOptions),
+    /// Describe what is in a checkpoint, or how this program was built.
+    Info {
+        /// The checkpoint; without one, the program.
+        file: Option<PathBuf>,
+    },
+}
+
+#[derive(Debug, Args)]
+struct Changes {
+    /// Use another value for a key of the case; may be given several times.
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Ranks along x, y and z, instead of what the case says.
+    #[arg(long, value_name = "PX,PY,PZ", value_parser = rank_grid)]
+    ranks: Option<RankGrid>,
+    /// Ranks as so many threads of this process, without MPI.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..=MOST_THREADS))]
+    threads: Option<u64>,
+    /// Run even if the case seems to need more memory than is free.
+    #[arg(long)]
+    any_memory: bool,
+}
+
+#[derive(Debug, Args)]
+struct RunArguments {
+    #[command(flatten)]
+    changes: Changes,
+    /// The folder of results (default: results/NAME of the case; in a restart, the checkpoint's folder).
+    #[arg(long)]
+    output: Option<PathBuf>,
+    /// End at this time instead of the case's end.
+    #[arg(long, value_name = "TIME")]
+    until: Option<f64>,
+}
+
+fn rank_grid(text: &str) -> Result<RankGrid, String> {
+    let counts: Result<Vec<usize>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match counts.as_deref() {
+        Ok(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok(RankGrid([x, y, z])),
+        _ => Err("must be three positive numbers, for example 1,1,4".to_owned()),
+    }
+}
+
+/// Largest number of threads: a larger one is a typing error.
+const MOST_THREADS: u64 = 512;
+/// Exit code for a command line that cannot be understood.
+const USAGE: u8 = 2;
+
+/// What the program knows that its libraries do not.
+#[derive(Clone, Copy, Debug)]
+pub struct Build {
+    /// The commit that it was built from, or `unknown`.
+    pub commit: &'static str,
+    /// The cases that `talcum new` writes.
+    pub gallery: &'static Gallery,
+}
+
+/// Runs the program on this rank. Every error is one message on standard error, from rank 0, and a
+/// non-zero exit code on all ranks.
+pub fn main(build: &Build) -> ExitCode {
+    set_commit(build.commit);
+    match CommandLine::try_parse().map(|line| line.command) {
+        // A study starts runs as separate processes, which a process of MPI must not do.
+        Ok(Command::Study(options)) => alone(|| study::run(&options, std::env::current_exe()?)),
+        Ok(Command::Analyse(options)) => alone(|| analyse::analyse(&options)),
+        Ok(Command::Watch(options)) => alone(|| watch::watch(&options)),
+        Ok(Command::New(options)) => alone(|| new::new(&options, build.gallery)),
+        Ok(Command::Summary(options)) => {
+            alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
+        }
+        Ok(Command::Completions(options)) => {
+            alone(|| shell::completions(&options, CommandLine::command()))
+        }
+        Ok(Command::Manual(options)) => alone(|| shell::manual(&options, CommandLine::command())),
+        Ok(Command::OnRanks(command)) => {
+            on_ranks(command.threads(), |ranks| dispatch(&command, ranks))
+        }
+        Err(usage) => print_usage(&usage),
+    }
+}
+
+/// Runs a command that needs no ranks.
+fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
+    start_log("info");
+    work().unwrap_or_else(|error| {
+        complain(&error);
+        ExitCode::FAILURE
+    })
+}
+
+/// Prints the usage, from one rank.
+fn print_usage(usage: &clap::Error) -> ExitCode {
+    let done = on_ranks(None, |ranks| {
+        let printed = if ranks.is_root() { usage.print() } else { Ok(()) };
+        // Nothing can be done if standard error is closed or full.
+        let printed = if usage.use_stderr() { Ok(()) } else { unless_closed(printed) };
+        Ok(agree(printed, ranks)?)
+    });
+    if usage.use_stderr() { ExitCode::from(USAGE) } else { done }
+}
+
+/// Prints an error; nothing can be done if standard error is closed.
+fn complain(error: &anyhow::Error) {
+    let _ = writeln!(std::io::stderr(), "error: {error:#}");
+}
+
+fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()> {
+    if matches!(command, RankCommand::Run { .. } | RankCommand::Restart { .. }) {
+        require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
+        require_known_vectors(ranks)?;
+    }
+    match command {
+        RankCommand::Check { case, changes } => check::check(case, changes, ranks),
+        RankCommand::Run { case, options, force, resume } => {
+            run::run(case, options, run::Earlier::from_flags(*force, *resume), ranks)
+        }
+        RankCommand::Restart { checkpoint, options, force } => {
+            run::restart(checkpoint, options, run::Earlier::from_flags(*force, false), ranks)
+        }
+        RankCommand::Contact(options) => contact::contact(options, ranks),
+        RankCommand::Keys(options) => keys::keys(options, ranks),
+        RankCommand::Info { file: Some(file) } => info::of_checkpoint(file, ranks),
+        RankCommand::Info { file: None } => info::of_program(ranks),
+    }
+}
+
+/// Rejects an unknown name in `TALCUM_VECTORS` on any rank: the variable may be missing on some. Collective.
+fn require_known_vectors(ranks: &dyn Communicator) -> anyhow::Result<()> {
+    let checked = check_instruction_set();
+    let mut wrong = [i64::from(checked.is_err())];
+    ranks.sum_integers(&mut wrong);
+    checked?;
+    anyhow::ensure!(
+        wrong[0] == 0,
+        "the environment variable TALCUM_VECTORS is wrong on {} ranks",
+        wrong[0]
+    );
+    Ok(())
+}
+
+impl RankCommand {
+    /// The requested number of threads, if any.
+    fn threads(&self) -> Option<usize> {
+        let changes = match self {
+            Self::Check { changes, .. } => changes,
+            Self::Run { options, .. } | Self::Restart { options, .. } => &options.changes,
+            Self::Contact(_) | Self::Keys(_) | Self::Info { .. } => return None,
+        };
+        changes.threads.map(|threads| threads as usize)
+    }
+}

@@ -1,0 +1,61 @@
+//! Number format of snapshots, and their columns in addition to the standard ones.
+
+use super::ColumnUnits;
+use super::table::Rows;
+use talcum_engine::fields::{Field, Kind};
+
+/// Number format of snapshots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SnapshotStorage {
+    /// Whether a number takes 4 bytes instead of 8.
+    pub single_precision: bool,
+    /// Level of compression: from 0, none, to 9.
+    pub compression: u8,
+}
+
+impl SnapshotStorage {
+    /// Growing rows, in chunks of a given number.
+    pub(super) fn rows(self, piece: usize) -> Rows {
+        match self.compression {
+            0 => Rows::Growing(piece),
+            level => Rows::Compressed { piece, level },
+        }
+    }
+}
+
+/// An additional column for each particle in snapshots.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PointColumn {
+    /// Name of its dataset.
+    pub name: &'static str,
+    /// Numbers for each particle.
+    pub width: usize,
+    /// Whether they are whole numbers.
+    pub is_whole: bool,
+    /// Name of their unit.
+    pub unit: &'static str,
+    /// Their meaning.
+    pub description: &'static str,
+}
+
+impl PointColumn {
+    /// The column of a field of the particles.
+    pub fn of_field(field: &Field, units: &ColumnUnits) -> Self {
+        Self {
+            name: field.name,
+            width: field.width(),
+            is_whole: field.kind == Kind::Integer,
+            unit: units.of_unit(field.unit),
+            description: field.meaning,
+        }
+    }
+}
+
+/// Settings common to all snapshots of a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SnapshotFormat {
+    /// The additional columns for each particle.
+    pub columns: Vec<PointColumn>,
+    /// Number format.
+    pub storage: SnapshotStorage,
+}
