@@ -46,17 +46,17 @@ pub struct TouchingParticles<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Exchanges(Vec<Arc<dyn ContactExchange>>);
 
-/// A flow above the limit of its law.
+/// Reason why the flows of a law cannot be added.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error(
-    "{flow:.3e} of \"{field}\" flows between the particles {lower} and {higher} (limit {limit:.3e})"
-)]
-pub(crate) struct FlowOutOfRange {
-    field: &'static str,
-    lower: u64,
-    higher: u64,
-    flow: f64,
-    limit: f64,
+pub(crate) enum ExchangeError {
+    /// A flow above the limit of its law.
+    #[error(
+        "{flow:.3e} of \"{field}\" flows between the particles {lower} and {higher} (limit {limit:.3e})"
+    )]
+    FlowOutOfRange { field: &'static str, lower: u64, higher: u64, flow: f64, limit: f64 },
+    /// A law of a field that the particles do not have.
+    #[error("touching particles exchange \"{0}\", which is not a custom field of the particles")]
+    NoField(&'static str),
 }
 
 /// Two are equal if their laws are the same objects; laws that merely compute the same are not equal.
@@ -87,13 +87,13 @@ impl Exchanges {
 /// Adds the flows of the touching pairs of a group to both their particles.
 ///
 /// # Errors
-/// If a flow exceeds the limit of its law or is undefined.
+/// If a flow exceeds the limit of its law or is undefined, or if the particles do not have the field.
 pub(crate) fn add_flows(
     particles: &mut Particles,
     contacts: &Contacts,
     exchanges: &Exchanges,
     group: PairGroup,
-) -> Result<(), FlowOutOfRange> {
+) -> Result<(), ExchangeError> {
     exchanges.0.iter().try_for_each(|law| add_flows_of(&**law, particles, contacts, group))
 }
 
@@ -102,8 +102,9 @@ fn add_flows_of(
     particles: &mut Particles,
     contacts: &Contacts,
     group: PairGroup,
-) -> Result<(), FlowOutOfRange> {
-    let Some([value, inflow]) = columns_of(law, particles) else { return Ok(()) };
+) -> Result<(), ExchangeError> {
+    let no_field = || ExchangeError::NoField(law.field().name);
+    let [value, inflow] = columns_of(law, particles).ok_or_else(no_field)?;
     let limit = law.largest_flow();
     let quantum = Quantum::spanning(limit);
     for (_, [first, second], state) in contacts.inner.active_pairs(group) {
@@ -118,7 +119,7 @@ fn add_flows_of(
         if flow.is_nan() || flow.abs() > limit {
             let (field, [lower, higher]) =
                 (law.field().name, pair.map(|index| particles.id[index]));
-            return Err(FlowOutOfRange { field, lower, higher, flow, limit });
+            return Err(ExchangeError::FlowOutOfRange { field, lower, higher, flow, limit });
         }
         let [from, to] = pair.map(|index| particles.owned_original(index).unwrap_or(index));
         let sums = particles.columns.at_mut(inflow).hold::<f64>();
@@ -132,9 +133,6 @@ fn add_flows_of(
 pub(crate) fn advance_fields(particles: &mut Particles, exchanges: &Exchanges, dt: f64) {
     for law in &exchanges.0 {
         let Some([value, inflow]) = columns_of(&**law, particles) else { continue };
-        if particles.columns.at(inflow).held::<f64>().is_empty() {
-            continue;
-        }
         for index in 0..particles.owned_count() {
             let flow = particles.columns.at(inflow).get(index);
             let change = dt * law.rate(&particles.body[index], flow);

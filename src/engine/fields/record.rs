@@ -90,7 +90,7 @@ macro_rules! records {
         $(#[$outer:meta])*
         $visibility:vis struct $Record:ident {
             $([$id:ident]: $id_meaning:literal;)*
-            $($field:ident: $kind:ident, $unit:ident, $meaning:literal
+            $($field:ident: $kind:ident, $unit:ident $(($symbol:literal))?, $meaning:literal
                 $(=> $($attribute:ident $(($argument:expr))?),+)?;)*
         }
     ) => {
@@ -111,7 +111,7 @@ macro_rules! records {
                 $crate::fields::Field::new(
                     stringify!($field),
                     $crate::fields::Kind::$kind,
-                    $crate::fields::Unit::$unit,
+                    $crate::fields::Unit::$unit $(($symbol))?,
                     $meaning,
                 )$($(.$attribute($($argument)?))+)?
             ),*];

@@ -14,6 +14,8 @@
 //! | what is done next (`time_step::decide`) | 8 numbers | 64 | all | [`maximum`] |
 //! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`start_sum_exact`] |
 //! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`start_exchange`] |
+//! | volume-averaged gas: largest Courant and viscous numbers, voidage that is not valid | 3 numbers | 24 | all | [`maximum`] |
+//! | volume-averaged gas: largest addends, flow through the bed, momentum lost and gained | numbers, integers of exact sums | some 100 | all | [`maximum`], [`sum_integers`] |
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
@@ -29,7 +31,12 @@
 //! | their contact histories, and those of two ranks' particles, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owners of both particles | [`sparse_exchange`] |
 //! | new ghosts ([`ParticleHalo::make_ghosts`]) | `NewGhost` | 112 per ghost | neighbours, axis by axis | [`exchange`] |
 //! | which particles ghosts are copies of ([`ParticleHalo::follow`]) | indices | 4 per particle | their owner | [`sparse_exchange`] |
+//! | ids of particles that have left the box, if any has, and their volume | ids, 5 integers | 8 per particle | all | [`share_with_all`], [`sum_integers`] |
 //! | cells that change owner (`send_cells_to_owners`) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
+//!
+//! When agglomerates are found (at steps of the gas whose drag depends on them, and for measures), pairs and labels of connected
+//! sets go to the owners of their particles and to the ranks that answer for an id, and back ([`sparse_exchange`]), as often as
+//! the longest chain of ranks needs.
 //!
 //! At the start of a run, the same records go to their owners ([`send_to_owners`], `send_cells_to_owners`), those of
 //! contacts by a distributed directory ([`send_histories_to_owners`]). For each file that all ranks write, records are

@@ -257,6 +257,7 @@ fn covered_parts([begin, end]: [f64; 2], spacing: f64, cells: usize) -> Vec<f64>
     (0..cells).map(part).collect()
 }
 
+/// The boundary that a word of the table of keys names; a test asks that each names one of its own.
 fn boundary(word: &str, openings: &Openings, jet: Option<&Jet>) -> Boundary {
     match word {
         "free_slip" => Boundary::FreeSlip,
@@ -272,8 +273,24 @@ fn boundary(word: &str, openings: &Openings, jet: Option<&Jet>) -> Boundary {
 
 #[cfg(test)]
 mod tests {
-    use super::covered_parts;
+    use super::{Boundary, Openings, boundary, covered_parts};
     use crate::case::Case;
+    use crate::case::schema::FACES;
+    use talcum_engine::gas::volume_averaged::Profile;
+
+    #[test]
+    fn each_word_names_a_boundary_of_its_own() {
+        let openings =
+            Openings { velocity: None, profile: Profile::Uniform, jet: None, pressure: 0.0 };
+        let of = |word| boundary(word, &openings, None);
+        let mut found: Vec<Boundary> = FACES.iter().map(|word| of(word.name)).collect();
+        assert!(found.contains(&Boundary::NO_SLIP));
+        while let Some(last) = found.pop() {
+            assert!(!found.contains(&last), "{last:?}");
+        }
+        // Negative control: a word without an arm of its own is taken for a wall.
+        assert_eq!(of("symmetry"), Boundary::NO_SLIP);
+    }
 
     #[test]
     fn cells_that_a_jet_covers_in_part_have_that_part_of_it() {

@@ -19,7 +19,7 @@ pub struct Setup {
     pub(super) physics: Physics,
     pub(super) particles: Vec<ParticleRecord>,
     /// Custom fields of the first particles; those added later have zeros.
-    custom: CustomFields,
+    pub(super) custom: CustomFields,
     pub(super) sizes: Option<SizeRange>,
     pub(super) skin: Option<f64>,
     pub(super) force_limit: Option<f64>,

@@ -18,6 +18,7 @@ impl Setup {
                 return Err(SetupError::NotPositive { quantity, value });
             }
         }
+        self.check_field_names()?;
         let mut ids = HashSet::new();
         for particle in &self.particles {
             check_particle(particle)?;
@@ -26,6 +27,16 @@ impl Setup {
             }
         }
         Ok(())
+    }
+
+    /// Each field of the particles has a name of its own, by which files and laws find it.
+    fn check_field_names(&self) -> Result<(), SetupError> {
+        let built_in = ParticleRecord::FIELDS.iter().map(|field| field.name);
+        let mut names: HashSet<&str> = built_in.chain(["id"]).collect();
+        match self.custom.fields.iter().find(|field| !names.insert(field.name)) {
+            Some(field) => Err(SetupError::SameField { name: field.name }),
+            None => Ok(()),
+        }
     }
 
     /// A periodic box must be wide enough that a particle meets only one image of another.
@@ -78,9 +89,13 @@ fn check_particle(particle: &ParticleRecord) -> Result<(), SetupError> {
 mod tests {
     use super::*;
     use crate::setup::{Layers, LayoutError, Sphere};
-    use talcum_engine::contact::{FrictionCap, LinearSpringDashpot};
+    use talcum_engine::contact::{
+        ContactExchange, FrictionCap, LinearSpringDashpot, TouchingParticles,
+    };
     use talcum_engine::domain::{Face, RankGrid};
+    use talcum_engine::fields::{Field, Kind, Unit};
     use talcum_engine::parallel::OneRank;
+    use talcum_engine::particles::Body;
     use talcum_engine::state::Physics;
 
     const PERIODIC: [Face; 2] = [Face::Periodic; 2];
@@ -136,6 +151,56 @@ mod tests {
         let error = good.start(RankGrid([1, 2, 1]), &OneRank).map(|_| ()).unwrap_err();
         let wrong = LayoutError::WrongSize { grid: RankGrid([1, 2, 1]), ranks: 1 };
         assert_eq!(error, SetupError::Layout(wrong));
+    }
+
+    /// A law by which touching particles exchange nothing; each particle gains one per time.
+    #[derive(Debug)]
+    struct Source(&'static str);
+
+    impl ContactExchange for Source {
+        fn field(&self) -> Field {
+            Field::new(self.0, Kind::Number, Unit::One, "amount")
+        }
+        fn flow(&self, _: &TouchingParticles, _: [f64; 2]) -> f64 {
+            0.0
+        }
+        fn largest_flow(&self) -> f64 {
+            1.0
+        }
+        fn rate(&self, _: &Body, inflow: f64) -> f64 {
+            1.0 + inflow
+        }
+    }
+
+    #[test]
+    fn two_fields_of_one_name_are_refused() {
+        let bed = || setup().particle(sphere(0.5));
+        for name in ["species", "id"] {
+            let setup = bed().exchange(Source(name), |_| 0.0);
+            assert_eq!(refused(&setup), SetupError::SameField { name });
+        }
+        let twice = bed().exchange(Source("amount"), |_| 0.0).exchange(Source("amount"), |_| 0.0);
+        assert_eq!(refused(&twice), SetupError::SameField { name: "amount" });
+        assert!(bed().exchange(Source("amount"), |_| 0.0).start_alone().is_ok());
+    }
+
+    #[test]
+    fn a_law_of_exchange_without_its_field_ends_the_run() {
+        let mut setup = setup().particle(sphere(0.5));
+        setup.physics.exchanges.add(Source("amount"));
+        assert!(refused(&setup).to_string().contains("exchange \"amount\", which is not"));
+    }
+
+    #[test]
+    fn fields_change_without_contacts() {
+        let mut run = setup()
+            .particle(sphere(0.5))
+            .exchange(Source("amount"), |_| 2.0)
+            .start_alone()
+            .unwrap();
+        run.steps(10).unwrap();
+        let [amount] = run.state.particles.custom_fields().column(0)[..] else { panic!() };
+        assert!((amount - (2.0 + 10.0 * 4.0e-4)).abs() < 1.0e-14, "ten sums round: {amount}");
     }
 
     #[test]

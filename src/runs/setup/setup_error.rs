@@ -21,6 +21,12 @@ pub enum SetupError {
         /// The axis.
         axis: &'static str,
     },
+    /// Two fields of one name.
+    #[error("the particles already have a field \"{name}\": choose another name")]
+    SameField {
+        /// Name of the field.
+        name: &'static str,
+    },
     /// A snapshot with a custom field that the setup has not registered.
     #[error("the snapshot has the field \"{name}\", which this setup does not know: register it")]
     UnknownField {

@@ -123,7 +123,7 @@ const COLUMN: &[Key] = &[
 ];
 
 /// Boundary conditions of the gas at a face of the box.
-const FACES: &[Word] = &[
+pub(in crate::case) const FACES: &[Word] = &[
     Word::new(
         "no_slip",
         "a wall to which the gas sticks; it moves as the `[[wall]]` of that face does",

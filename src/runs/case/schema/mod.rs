@@ -14,6 +14,8 @@ mod time;
 pub(super) use boxes::{BOX, WALL};
 pub(super) use contact::{AT_WALL, CONTACT};
 pub(super) use forces::{COHESION, GRAVITY, VIBRATION};
+#[cfg(test)]
+pub(super) use gas::FACES;
 pub(super) use gas::GAS;
 pub(super) use measures::MEASURE;
 pub(super) use particles::PARTICLES;
