@@ -3,7 +3,7 @@
 
 use crate::faults::Fault;
 use crate::launch::{Ended, in_repository, signal, start, talcum, turn_of_mpirun};
-use crate::toml_files::toml_files;
+use crate::toml_files::study_files;
 use std::path::{Path, PathBuf};
 
 /// Exit code of a study that was stopped and can be resumed.
@@ -332,7 +332,7 @@ fn kept_tables_of_runs_are_known_to_their_studies() {
 }
 
 fn studies_of(name: &str) -> Vec<PathBuf> {
-    toml_files(&format!("cases/{name}/studies"))
+    study_files(&format!("cases/{name}"))
 }
 
 /// The refusal reaches the user.

@@ -9,6 +9,7 @@ pub struct BySpecies<T>(Vec<T>);
 /// A value for each pair of species, the same from both sides, or one for all.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::contact::ByPair;
 /// let sums = ByPair::of_species(3, |one, other| 10 * one + other); // called with one <= other
 /// assert_eq!((sums.of([2, 1]), sums.of([1, 2])), (&12, &12));

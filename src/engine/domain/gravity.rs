@@ -27,6 +27,7 @@ impl EffectiveGravity {
     /// The downward acceleration at a time.
     ///
     /// ```
+    /// # use talcum_engine as talcum;
     /// use talcum::domain::{EffectiveGravity, Vibration};
     /// let shaken = Vibration { relative_acceleration: 3.0, frequency: 0.25, start: 8.0 };
     /// let gravity = EffectiveGravity { magnitude: 1.0, vibration: Some(shaken) };

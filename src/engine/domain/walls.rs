@@ -95,6 +95,7 @@ impl WallMotion {
     /// Displacement from the position at rest, at a time.
     ///
     /// ```
+    /// # use talcum_engine as talcum;
     /// use nalgebra::Vector3;
     /// use talcum::domain::WallMotion;
     /// let amplitude = Vector3::new(0.0, 0.0, 0.1);

@@ -15,6 +15,7 @@ use crate::parallel::{Communicator, FieldHalo};
 /// Solves A p = b on the cells of the box; it keeps its memory from one solve to the next.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use nalgebra::Vector3;
 /// use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
 /// use talcum::grid::{BoxGrid, Field};

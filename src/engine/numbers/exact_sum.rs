@@ -16,6 +16,7 @@ const ADDITIONS_BETWEEN_CARRIES: u32 = 1 << 29;
 /// method follows R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::numbers::ExactSum;
 /// let mut sum = ExactSum::default();
 /// for x in [1.0e300, 1.0, -1.0e300] {

@@ -31,4 +31,4 @@ pub use schedule::Schedule;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use simd::avx2_registers;
 pub(crate) use simd::{F64x4, four, four_mut, portable_registers};
-pub(crate) use vectorised::vectorised;
+pub use vectorised::vectorised;

@@ -28,6 +28,7 @@ use nalgebra::Vector3;
 /// the order in which its contacts are evaluated.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::numbers::Quantum;
 /// let quantum = Quantum::spanning(1.0e3);
 /// let (a, b, c) = (quantum.round(0.1), quantum.round(-700.3), quantum.round(1.0e-7));

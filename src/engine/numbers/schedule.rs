@@ -45,6 +45,7 @@ impl Schedule {
     /// The value at a time.
     ///
     /// ```
+    /// # use talcum_engine as talcum;
     /// use talcum::numbers::Schedule;
     /// let ramp = Schedule::Ramp { from: 1.0, to: 3.0, start: 10.0, end: 20.0 };
     /// assert_eq!([ramp.at(0.0), ramp.at(15.0), ramp.at(99.0)], [1.0, 2.0, 3.0]);

@@ -144,4 +144,4 @@ macro_rules! vectorised {
     };
 }
 
-pub(crate) use vectorised;
+pub use vectorised;

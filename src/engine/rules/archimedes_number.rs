@@ -4,6 +4,7 @@
 /// viscosity mu of the gas.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::rules::archimedes_number;
 /// // Glass beads of 0.1 mm in air: viscosity decides (Ar below some 100, Geldart's group A).
 /// let number = archimedes_number([1.2, 2500.0], 9.81, 1.0e-4, 1.8e-5);

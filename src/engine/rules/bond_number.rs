@@ -22,6 +22,7 @@ pub fn attraction_of_bond_number(bond_number: f64, mass: f64, gravity: f64) -> f
 /// separation below which the attraction no longer grows, d is `diameter`, m g is `weight`.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::rules::{ContactPartner, hamaker_constant_per_bond_number};
 /// // Dimensionless units: d = 1, m g = pi / 6, delta = 1e-4.
 /// let weight = std::f64::consts::PI / 6.0;

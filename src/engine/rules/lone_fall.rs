@@ -16,6 +16,7 @@
 /// table).
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::rules::excess_of_lone_fall;
 /// // 40 um, 2000 kg/m^3, in air, on cells of 3 diameters: 16 % are measured.
 /// let resistance = 3.0 * std::f64::consts::PI * (1.0 + 0.15 * 0.24_f64.powf(0.687));

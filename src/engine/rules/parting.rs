@@ -32,6 +32,7 @@ impl WorkOfParting {
     /// attract each other only in contact.
     ///
     /// ```
+    /// # use talcum_engine as talcum;
     /// use talcum::rules::WorkOfParting;
     /// // Moon et al. 2006 at Bo 4: F0 = 4 m g, delta = 8e-6, k_n = 2e5; density, diameter and gravity are 1.
     /// let (force, delta, stiffness) = (4.0 * std::f64::consts::PI / 6.0, 8.0e-6, 2.0e5);
@@ -65,6 +66,7 @@ impl WorkOfParting {
 /// velocities.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::rules::adhesion_factor;
 /// assert!((adhesion_factor(100.0, 1.0) - 0.1).abs() < 1.0e-15); // rounding
 /// assert!((adhesion_factor(1.0e5, 1.5) - 0.01).abs() < 1.0e-15);

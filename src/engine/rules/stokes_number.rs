@@ -4,6 +4,7 @@
 /// the gas (Moon et al. 2006).
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::rules::{stokes_number, viscosity_of_stokes_number};
 /// let viscosity = viscosity_of_stokes_number(55.0, 2500.0, 9.81, 80.0e-6);
 /// assert!((stokes_number(viscosity, 2500.0, 9.81, 80.0e-6) - 55.0).abs() < 1.0e-12); // rounding

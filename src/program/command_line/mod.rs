@@ -37,7 +37,7 @@ use talcum_results::output::{set_commit, unless_closed};
 ///
 /// Start it alone, on N threads with `--threads N`, or on N ranks of MPI with `mpirun -n N talcum ...`.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 100)]
+#[command(name = "talcum", version, max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     command: Command,

@@ -188,7 +188,8 @@ mod tests {
     fn a_law_of_exchange_without_its_field_ends_the_run() {
         let mut setup = setup().particle(sphere(0.5));
         setup.physics.exchanges.add(Source("amount"));
-        assert!(refused(&setup).to_string().contains("exchange \"amount\", which is not"));
+        let error = setup.start_alone().unwrap().steps(1).unwrap_err();
+        assert!(error.to_string().contains("exchange \"amount\", which is not"), "{error}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A bed from Rust, without a case file: choose, start, step, read.
 //!
 //! ```
+//! # mod talcum { pub use talcum_engine::*; pub use talcum_results::*; pub use talcum_runs::*; }
 //! use talcum::contact::{FrictionCap, LinearSpringDashpot};
 //! use talcum::domain::Face;
 //! use talcum::setup::{Layers, Setup};

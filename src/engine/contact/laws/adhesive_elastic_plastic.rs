@@ -88,6 +88,7 @@ const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 /// ([`FrictionCap::Contact`]), or at most mu_f |F_n| ([`FrictionCap::Net`]).
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use nalgebra::Vector3;
 /// use talcum::contact::{AdhesiveElasticPlastic, Contact, ContactForceLaw, HystereticParameters};
 /// use talcum::particles::ContactHistory;

@@ -36,6 +36,7 @@ use crate::schema::Key;
 /// that no cycle creates energy.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use nalgebra::Vector3;
 /// use talcum::contact::{Contact, ContactForceLaw, ContactModuli, HertzMindlin};
 /// use talcum::particles::ContactHistory;

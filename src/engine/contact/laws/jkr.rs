@@ -53,6 +53,7 @@ const SURFACE_ENERGY: Key = Key::number(
 /// mu |F_n + 2 F_c| (Thornton 1991).
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::contact::{ContactForceLaw, ContactModuli, Jkr};
 /// let law = Jkr::new(ContactModuli { normal: 1.0e7, shear: 2.0e6 }, 0.05, 0.9, 0.3)?;
 /// assert!(law.contact_range(1.0e-5) < 1.0e-6);

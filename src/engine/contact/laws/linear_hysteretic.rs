@@ -44,6 +44,7 @@ const ADHESION_STIFFNESS: Key =
 /// spheres stick if this is negative.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::contact::{ContactForceLaw, HystereticParameters, LinearHysteretic};
 /// let parameters = HystereticParameters {
 ///     loading_stiffness: 1.0,

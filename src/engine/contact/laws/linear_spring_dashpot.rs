@@ -59,6 +59,7 @@ const FRICTION_CAP: Key =
 /// rounding, differ from those of the other laws.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use nalgebra::Vector3;
 /// use talcum::contact::{Contact, ContactForceLaw, FrictionCap, LinearSpringDashpot};
 /// use talcum::particles::ContactHistory;

@@ -23,6 +23,7 @@ impl CohesionExpression {
     /// r = 2 r_i r_j / (r_i + r_j), or the radius of the sphere at a wall. It is 1 if they are smooth.
     ///
     /// ```
+    /// # use talcum_engine as talcum;
     /// use talcum::contact::CohesionExpression::{NearContact, Rough};
     /// let rough = Rough { asperity_radius: 1.0e-2 };
     /// assert!((rough.roughness_factor(0.5, 1.0e-5) - 1.0 / 51.0).abs() < 2.0e-6); // (s / a)^2 = 1e-6

@@ -49,6 +49,7 @@ pub struct VanDerWaals {
 /// The attraction at one instant, with the values of the schedules at that time.
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::contact::{CohesionExpression, VanDerWaals};
 /// use talcum::numbers::Schedule;
 /// let cohesion = VanDerWaals {

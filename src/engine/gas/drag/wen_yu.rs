@@ -48,6 +48,7 @@ impl WenYu {
 
 impl DragCorrelation for WenYu {
     /// ```
+    /// # use talcum_engine as talcum;
     /// use talcum::gas::{DragCorrelation, WenYu};
     /// let eps = 0.9_f64;
     /// let f = WenYu::USUAL.scaled_drag(0.1, 100.0) / eps;

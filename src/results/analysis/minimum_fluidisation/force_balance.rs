@@ -17,6 +17,7 @@ pub fn gas_force_at_rest(drag: f64, superficial_velocity: f64, solids_fraction: 
 /// must increase without bound. U_mf is found by bisection, to rounding.
 ///
 /// ```
+/// # mod talcum { pub use talcum_engine::*; pub use talcum_results::*; }
 /// use talcum::analysis::minimum_fluidisation::minimum_fluidisation_velocity;
 /// // Stokes' drag 3 pi mu d on a sphere with mu = 1/55, d = 1 and weight pi/6: U = (St / 18) (1 - phi)^2.
 /// let drag = 3.0 * std::f64::consts::PI / 55.0;

@@ -34,6 +34,7 @@ pub use grid::CellGrid;
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
+use talcum_engine::numbers::vectorised;
 use talcum_engine::parallel::{Communicator, Message, records_of_bytes};
 use talcum_engine::particle_sets::Periodicity;
 use talcum_engine::particle_sets::exact_sums::Keyed;
@@ -41,7 +42,6 @@ use talcum_engine::particle_sets::fixed_point::{
     FixedPointSums, Quanta, Slots, largest, sums_by_key,
 };
 use talcum_engine::particle_sets::rendezvous::{ask, distinct};
-use talcum_engine::vectorised;
 
 /// A particle, with the data needed for stress.
 #[derive(Clone, Copy, Debug, PartialEq)]

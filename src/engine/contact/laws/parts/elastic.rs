@@ -53,6 +53,7 @@ impl Elasticity {
 /// with G = E / (2 (1 + nu)).
 ///
 /// ```
+/// # use talcum_engine as talcum;
 /// use talcum::contact::{ContactModuli, Elasticity};
 /// let steel = Elasticity { young_modulus: 2.0e11, poisson_ratio: 0.0 };
 /// let alike = ContactModuli::between(steel, steel)?;
