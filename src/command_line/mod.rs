@@ -97,7 +97,7 @@ enum RankCommand {
     },
     /// Print the normal force over the overlap, of two bodies slowly pressed together and pulled apart, as CSV.
     Contact(contact::ContactOptions),
-    /// Print the keys of the case file, or of one section, with unit, range, default and meaning.
+    /// Print the keys of the case file or of the study file, or of one section, with unit, range, default and meaning.
     Keys(keys::KeysOptions),
     /// Describe what is in a checkpoint, or how this program was built.
     Info {

@@ -38,7 +38,7 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
         Kind::Vector(allowed, length) => check_numbers(*allowed, Some(*length), kind, node),
         Kind::Vectors(allowed, length) => check_vectors(&Kind::Vector(*allowed, *length), node),
         Kind::List(allowed) => check_numbers(*allowed, None, kind, node),
-        Kind::Texts => require_members(&words_of(node).ok_or_else(must)?),
+        Kind::Texts => check_texts(&words_of(node).ok_or_else(must)?),
         Kind::Values => {
             require_members(&node.as_list(|item| Some(item.span.start)).ok_or_else(must)?)
         }
@@ -80,6 +80,14 @@ fn require_members<T>(members: &[T]) -> Result<(), String> {
     match members {
         [] => Err("must not be empty".to_owned()),
         _ => Ok(()),
+    }
+}
+
+fn check_texts(texts: &[String]) -> Result<(), String> {
+    require_members(texts)?;
+    match texts.iter().any(|text| text.trim().is_empty()) {
+        true => Err("none may be empty".to_owned()),
+        false => Ok(()),
     }
 }
 
@@ -253,6 +261,7 @@ mod tests {
             (PAIRS, "[[1, 2], [3]]", Some("each must be a list of 2 numbers")),
             (NUMBER_OR_TEXT, "\"frozen\"", None),
             (NUMBER_OR_TEXT, "-1", Some("must be above 0")),
+            (Kind::Texts, "[\"a\", \" \"]", Some("none may be empty")),
             (Kind::Values, "[1, \"x\", [2]]", None),
             (Kind::Values, "[]", Some("must not be empty")),
             (Kind::Settings, "{ a.b = 1 }", None),

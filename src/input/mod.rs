@@ -1,4 +1,4 @@
-//! The strict reader of the files that users write.
+//! The strict reader of the files that users write, cases and studies alike.
 //!
 //! A text becomes a tree of values that know their lines (`tree`). A `Section` checks a part of it against a table of keys
 //! (`schema`) and is then read key by key. All errors are reported at once, each with file, line, key, value and what is

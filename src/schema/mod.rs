@@ -1,8 +1,8 @@
 //! What a key of an input file is: its name, unit, kind of value, range, default, partners and meaning, as plain data.
 //!
-//! Tables of keys stand beside what they belong to: those of a section in `case/schema`, those of a law beside the
-//! law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors all follow from
-//! these tables, so no range and no default is written twice. This module knows nothing else of the crate.
+//! Tables of keys stand beside what they belong to: those of a section in `case/schema` or `study/schema`, those of a law
+//! beside the law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors all follow
+//! from these tables, so no range and no default is written twice. This module knows nothing else of the crate.
 
 mod allowed;
 mod mixing;

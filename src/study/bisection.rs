@@ -1,6 +1,6 @@
-//! The search for the value of a key at which a measure crosses a threshold.
+//! The search for the value of a key at which a quantity crosses a threshold.
 
-use crate::study::measure::Value;
+use crate::study::quantity::Value;
 use crate::study::setting::rounded;
 use std::fmt;
 
@@ -13,11 +13,11 @@ pub(crate) struct Bisection {
     pub(crate) brackets: Brackets,
     /// The search ends when the bracket is no wider.
     pub(crate) tolerance: f64,
-    /// Name of the measure that decides.
-    pub(crate) measure: String,
-    /// The value of the measure that is crossed.
+    /// Name of the quantity that decides.
+    pub(crate) quantity: String,
+    /// The value of the quantity that is crossed.
     pub(crate) threshold: Threshold,
-    /// What the measure does as the key grows.
+    /// What the quantity does as the key grows.
     pub(crate) direction: Direction,
     /// Whether brackets are halved on a logarithmic scale.
     pub(crate) logarithmic: bool,
@@ -25,7 +25,7 @@ pub(crate) struct Bisection {
     pub(crate) line: usize,
 }
 
-/// What a measure crosses.
+/// What a quantity crosses.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Threshold {
     /// A number.
@@ -99,7 +99,7 @@ impl Brackets {
     }
 }
 
-/// Whether the measure crosses its threshold upwards or downwards as the key grows.
+/// Whether the quantity crosses its threshold upwards or downwards as the key grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// Below the threshold first, then above.
@@ -109,41 +109,42 @@ pub(crate) enum Direction {
 }
 
 impl Direction {
+    /// Both, by the words of a study file.
+    pub(crate) const ALL: [(&'static str, Self); 2] =
+        [("rises", Self::Rises), ("falls", Self::Falls)];
+
     /// What a study file calls it.
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Rises => "rises",
-            Self::Falls => "falls",
-        }
+        Self::ALL.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name)
     }
 }
 
 /// How far a search has come.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Search {
-    /// The measure must be known at these values of the key first.
+    /// The quantity must be known at these values of the key first.
     Needs(Vec<f64>),
     /// The critical value lies between these two values of the key.
     Found([f64; 2]),
-    /// The measure is on one side of the threshold at both ends, or changes in the other direction.
+    /// The quantity is on one side of the threshold at both ends, or changes in the other direction.
     Unchanged {
         /// The ends of the bracket.
         bracket: [f64; 2],
-        /// The measure at the ends.
+        /// The quantity at the ends.
         measured: [f64; 2],
     },
 }
 
 impl Bisection {
-    /// Goes through the search as far as the measure is known. It depends on measures only, so that a search
+    /// Goes through the search as far as the quantity is known. It depends on its values only, so that a search
     /// that was interrupted takes the same course again.
     pub(crate) fn search(
         &self,
         bracket: [f64; 2],
-        measure: &mut dyn FnMut(f64) -> Option<f64>,
+        quantity: &mut dyn FnMut(f64) -> Option<f64>,
     ) -> Search {
         let [mut lower, mut upper] = bracket;
-        let ends = bracket.map(&mut *measure);
+        let ends = bracket.map(&mut *quantity);
         let [Some(at_lower), Some(at_upper)] = ends else {
             let unknown = bracket.into_iter().zip(ends).filter(|(_, known)| known.is_none());
             return Search::Needs(unknown.map(|(end, _)| end).collect());
@@ -156,7 +157,7 @@ impl Bisection {
             if middle <= lower || middle >= upper {
                 break; // no number lies between
             }
-            match measure(middle) {
+            match quantity(middle) {
                 None => return Search::Needs(vec![middle]),
                 Some(value) if self.is_beyond(value) => upper = middle,
                 Some(_) => lower = middle,
@@ -181,11 +182,12 @@ impl Bisection {
 
     /// Why a search ended without a crossing.
     pub(crate) fn explain(&self, bracket: [f64; 2], measured: [f64; 2]) -> String {
-        let Self { key, measure, threshold, line, .. } = self;
+        let Self { key, quantity, threshold, line, .. } = self;
         let [lower, upper] = bracket;
         let [at_lower, at_upper] = measured;
-        let values =
-            format!("{measure} is {at_lower} at {key} = {lower} and {at_upper} at {key} = {upper}");
+        let values = format!(
+            "{quantity} is {at_lower} at {key} = {lower} and {at_upper} at {key} = {upper}"
+        );
         let reversed = self.is_beyond(at_lower) && !self.is_beyond(at_upper);
         let other = match self.direction {
             Direction::Rises => Direction::Falls,
@@ -233,7 +235,7 @@ mod tests {
             key: "cohesion.bond_number".to_owned(),
             brackets: Brackets::One([2.0, 10.0]),
             tolerance,
-            measure: "agitation".to_owned(),
+            quantity: "agitation".to_owned(),
             threshold: Threshold::Number(5.0),
             direction: Direction::Falls,
             logarithmic: false,
@@ -271,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_known_threshold_is_found_within_the_tolerance() {
-        // The measure 10 - x crosses 5 at x = 5; 8 / 0.1 needs 7 halvings after the two ends.
+        // The quantity 10 - x crosses 5 at x = 5; 8 / 0.1 needs 7 halvings after the two ends.
         let (end, runs) = follow(&falling(0.1), [2.0, 9.9], &|x| 10.0 - x);
         let Search::Found([lower, upper]) = end else { panic!("{end:?}") };
         assert!(lower <= 5.0 && 5.0 < upper && upper - lower <= 0.1, "{lower} {upper}");

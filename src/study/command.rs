@@ -8,7 +8,6 @@ use crate::study::file;
 use crate::study::folder::{StudyFolder, make_folder};
 use crate::study::job::TalcumRunner;
 use crate::study::known::KnownRuns;
-use crate::study::measure::Registry;
 use crate::study::scheduler::{Outcome, PAUSE, Scheduler};
 use crate::study::session::{Session, count_of};
 use crate::study::signals::StopSignals;
@@ -85,7 +84,7 @@ struct StudyCommand {
 
 impl StudyCommand {
     fn run(&self, options: &StudyOptions) -> anyhow::Result<ExitCode> {
-        let mut study = file::read(&options.study, &Registry::default())?;
+        let mut study = file::read(&options.study)?;
         options.apply(&mut study);
         let folder = StudyFolder::at(&options.folder()).with_known(options.known_runs(&study)?);
         let starts = starting_states(&study, &CaseReader)?;
@@ -166,7 +165,7 @@ impl StudyCommand {
             log::info!("wrote {}", path.display());
         }
         for failure in &collected.failures {
-            log::error!("no measure {failure}");
+            log::error!("not measured: {failure}");
         }
         Ok(collected.failures.is_empty())
     }
@@ -203,7 +202,7 @@ impl StudyOptions {
                 study.file.display()
             );
         }
-        KnownRuns::read(&self.known, &study.measures)
+        KnownRuns::read(&self.known, &study.quantities)
             .map_err(|message| anyhow!("--known {message}"))
     }
 

@@ -1,7 +1,7 @@
 //! What a study file defines.
 
 use crate::study::bisection::Bisection;
-use crate::study::measure::NamedMeasure;
+use crate::study::quantity::NamedQuantity;
 use crate::study::setting::{Setting, Value};
 use crate::study::start::Start;
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub(crate) struct Study {
     /// The search for a critical value.
     pub(crate) bisection: Option<Bisection>,
     /// What is measured on every run.
-    pub(crate) measures: Vec<NamedMeasure>,
+    pub(crate) quantities: Vec<NamedQuantity>,
     /// Confidence level of the intervals, for example 0.95.
     pub(crate) confidence: f64,
     /// Ranks and programs.
@@ -110,10 +110,9 @@ impl Launcher {
     }
 }
 
-impl Default for Resources {
+impl Default for Launcher {
     fn default() -> Self {
-        let launcher = if cfg!(feature = "mpi") { "mpirun -n {ranks}" } else { "threads" };
-        Self { ranks: 1, at_a_time: 1, launcher: Launcher::from_text(launcher) }
+        Self::from_text(if cfg!(feature = "mpi") { "mpirun -n {ranks}" } else { "threads" })
     }
 }
 

@@ -8,8 +8,8 @@ use crate::output::lock::{Sharing, try_lock};
 use crate::output::readers::SeriesTable;
 use crate::study::case_text::EffectiveCase;
 use crate::study::known::{KnownRun, KnownRuns};
-use crate::study::measure::{Measured, NamedMeasure};
 use crate::study::member::Member;
+use crate::study::quantity::{Measured, NamedQuantity};
 use crate::study::setting::shortest;
 use crate::study::task::{Records, RunState};
 use std::cell::RefCell;
@@ -240,7 +240,7 @@ pub(crate) struct Results<'a> {
     /// The folder.
     pub(crate) folder: &'a StudyFolder,
     /// What is measured.
-    pub(crate) measures: &'a [NamedMeasure],
+    pub(crate) quantities: &'a [NamedQuantity],
 }
 
 impl Records for Results<'_> {
@@ -249,13 +249,13 @@ impl Records for Results<'_> {
     }
 
     fn measure(&self, member: &Member, name: &str) -> Result<Measured, String> {
-        let measure = self.measures.iter().find(|measure| measure.name == name);
-        let measure = measure.ok_or_else(|| format!("there is no measure {name}"))?;
+        let quantity = self.quantities.iter().find(|quantity| quantity.name == name);
+        let quantity = quantity.ok_or_else(|| format!("there is no quantity {name}"))?;
         if let Some(known) = self.folder.known(member) {
             return known.measure(name);
         }
         self.folder.require_last_row(member).map_err(|error| format!("{name}: {error}"))?;
-        let measured = measure.measure.value(&self.folder.run(member));
+        let measured = quantity.quantity.value(&self.folder.run(member));
         measured.map_err(|error| format!("{name}: {error}"))
     }
 }

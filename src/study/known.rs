@@ -1,9 +1,9 @@
 //! Runs that were made elsewhere, and of which only a table `runs.csv` is left.
 //!
-//! A run of the study that stands in such a table is not made again: its digest and its measures are taken from there.
+//! A run of the study that stands in such a table is not made again: its digest and its quantities are taken from there.
 //! The identity says that it is the same run, the head of the table that the same things were measured on it.
 
-use crate::study::measure::{Measured, NamedMeasure, Value};
+use crate::study::quantity::{Measured, NamedQuantity, Value};
 use csv::{Reader, ReaderBuilder, StringRecord};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
@@ -24,12 +24,12 @@ pub(crate) struct KnownRun {
 }
 
 impl KnownRun {
-    /// A measure of it.
+    /// A quantity of it.
     ///
     /// # Errors
     /// If the table has none of that name.
     pub(crate) fn measure(&self, name: &str) -> Result<Measured, String> {
-        self.measured.get(name).cloned().ok_or_else(|| format!("there is no measure {name}"))
+        self.measured.get(name).cloned().ok_or_else(|| format!("there is no quantity {name}"))
     }
 
     /// A line of provenance of the runs of its table, for example `commit`.
@@ -46,14 +46,14 @@ impl KnownRuns {
     /// If a table cannot be read, is not one of runs, or if something else was measured.
     pub(crate) fn read(
         tables: &[impl AsRef<Path>],
-        measures: &[NamedMeasure],
+        quantities: &[NamedQuantity],
     ) -> Result<Self, String> {
         let mut known = Self::default();
         for path in tables {
             let path = path.as_ref();
             let text = std::fs::read_to_string(path)
                 .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
-            let added = known.add(&text, measures);
+            let added = known.add(&text, quantities);
             added.map_err(|message| format!("{}: {message}", path.display()))?;
         }
         Ok(known)
@@ -64,11 +64,11 @@ impl KnownRuns {
         self.by_identity.get(identity)
     }
 
-    fn add(&mut self, text: &str, measures: &[NamedMeasure]) -> Result<(), String> {
+    fn add(&mut self, text: &str, quantities: &[NamedQuantity]) -> Result<(), String> {
         let provenance = provenance_of(text);
-        check_measures(&provenance, measures)?;
+        check_quantities(&provenance, quantities)?;
         let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-        let columns = Columns::find(&mut reader, measures)?;
+        let columns = Columns::find(&mut reader, quantities)?;
         for record in reader.records() {
             let record = record.map_err(|error| error.to_string())?;
             if let Some((identity, run)) = columns.run(&record, &provenance)? {
@@ -87,17 +87,17 @@ fn provenance_of(text: &str) -> Vec<(String, String)> {
 }
 
 /// Refuses a table on whose runs something else was measured.
-fn check_measures(
+fn check_quantities(
     provenance: &[(String, String)],
-    measures: &[NamedMeasure],
+    quantities: &[NamedQuantity],
 ) -> Result<(), String> {
-    let of_measures = provenance.iter().filter(|(name, _)| name == "measure");
-    let given: BTreeSet<&str> = of_measures.map(|(_, text)| text.as_str()).collect();
-    for measure in measures {
-        let wanted = format!("{}: {}", measure.name, measure.measure.describe());
+    let measured = provenance.iter().filter(|(name, _)| name == "measure");
+    let given: BTreeSet<&str> = measured.map(|(_, text)| text.as_str()).collect();
+    for quantity in quantities {
+        let wanted = format!("{}: {}", quantity.name, quantity.quantity.describe());
         if !given.contains(wanted.as_str()) {
             let message = "this was not measured on the runs of the table";
-            return Err(format!("measure {wanted}: {message}"));
+            return Err(format!("quantity {wanted}: {message}"));
         }
     }
     Ok(())
@@ -108,18 +108,18 @@ struct Columns<'a> {
     state: usize,
     digest: usize,
     identity: usize,
-    measures: Vec<MeasureCells<'a>>,
+    quantities: Vec<QuantityCells<'a>>,
 }
 
-/// The cells of a measure.
-struct MeasureCells<'a> {
-    measure: &'a NamedMeasure,
+/// The cells of a quantity.
+struct QuantityCells<'a> {
+    quantity: &'a NamedQuantity,
     column: usize,
     unit: String,
 }
 
 impl<'a> Columns<'a> {
-    fn find(reader: &mut Reader<&[u8]>, measures: &'a [NamedMeasure]) -> Result<Self, String> {
+    fn find(reader: &mut Reader<&[u8]>, quantities: &'a [NamedQuantity]) -> Result<Self, String> {
         let headings = reader.headers().map_err(|error| error.to_string())?;
         let parts = |heading: &str| match heading.strip_suffix(']').and_then(|h| h.split_once(" ["))
         {
@@ -131,15 +131,15 @@ impl<'a> Columns<'a> {
             let column = headings.iter().position(|(heading, _)| heading == name);
             column.ok_or(format!("there is no column {name}: this is no runs.csv of a study"))
         };
-        let cells = |measure: &'a NamedMeasure| {
-            let column = place(&measure.name)?;
-            Ok(MeasureCells { measure, column, unit: headings[column].1.clone() })
+        let cells = |quantity: &'a NamedQuantity| {
+            let column = place(&quantity.name)?;
+            Ok(QuantityCells { quantity, column, unit: headings[column].1.clone() })
         };
         Ok(Self {
             state: place("state")?,
             digest: place("digest")?,
             identity: place("identity_blake3")?,
-            measures: measures.iter().map(cells).collect::<Result<_, String>>()?,
+            quantities: quantities.iter().map(cells).collect::<Result<_, String>>()?,
         })
     }
 
@@ -153,14 +153,14 @@ impl<'a> Columns<'a> {
             return Ok(None);
         }
         let mut measured = HashMap::new();
-        for cells in &self.measures {
+        for cells in &self.quantities {
             let value = cells.value(&record[cells.column]).map_err(|message| {
                 let line = record.position().map_or(0, csv::Position::line);
-                format!("line {line}: {}: {message}", cells.measure.name)
+                format!("line {line}: {}: {message}", cells.quantity.name)
             })?;
             let Some(value) = value else { return Ok(None) };
             measured
-                .insert(cells.measure.name.clone(), Measured { value, unit: cells.unit.clone() });
+                .insert(cells.quantity.name.clone(), Measured { value, unit: cells.unit.clone() });
         }
         let (digest, provenance) = (record[self.digest].to_owned(), provenance.to_vec());
         let run = KnownRun { digest, measured, provenance };
@@ -168,15 +168,15 @@ impl<'a> Columns<'a> {
     }
 }
 
-impl MeasureCells<'_> {
-    /// What a cell says; `None` if the measure could not be taken.
+impl QuantityCells<'_> {
+    /// What a cell says; `None` if it could not be measured.
     fn value(&self, cell: &str) -> Result<Option<Value>, String> {
-        let measure = &self.measure.measure;
+        let quantity = &self.quantity.quantity;
         if cell.is_empty() {
             let nothing = || Value::Nothing("there was nothing to measure".to_owned());
-            return Ok(measure.may_be_nothing().then(nothing));
+            return Ok(quantity.may_be_nothing().then(nothing));
         }
-        if measure.texts().is_some() {
+        if quantity.texts().is_some() {
             return Ok(Some(Value::Text(cell.to_owned())));
         }
         let number = cell.parse().ok().filter(|number: &f64| number.is_finite());

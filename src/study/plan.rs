@@ -1,9 +1,10 @@
 //! From the axes of a study to its points and tasks.
 
+use crate::input::{InputErrors, Problems, SourcePlace};
 use crate::study::checker::CaseChecker;
 use crate::study::definition::Study;
 use crate::study::member::{Member, MemberFactory};
-use crate::study::problem::{CaseProblem, Problem, Problems, Refusal};
+use crate::study::problem::{CaseProblem, error_at, result};
 use crate::study::setting::{SEED, Setting};
 use crate::study::task::{Task, TaskKind};
 use std::collections::HashMap;
@@ -62,14 +63,14 @@ impl Plan {
         study: &Study,
         factory: &MemberFactory<'_>,
         checker: &dyn CaseChecker,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, InputErrors> {
         let problems = Problems::default();
         let lengths = study.axes.iter().map(|axis| axis.values.len());
         let runs = lengths.fold(study.replicate_count(), usize::saturating_mul);
         if runs > MOST_RUNS {
-            problems
-                .add_whole(format!("the axes give {runs} runs; at most {MOST_RUNS} are allowed"));
-            return problems.result(&study.file.display().to_string(), None);
+            let message = format!("the axes give {runs} runs; at most {MOST_RUNS} are allowed");
+            problems.add_at(SourcePlace::File, message);
+            return result(problems, &study.file, None);
         }
         let points = points(study);
         check_seeds(study, &points, factory, checker, &problems);
@@ -79,7 +80,7 @@ impl Plan {
         if let Some(plan) = &plan {
             plan.refuse_duplicates(study, &problems);
         }
-        problems.result(&study.file.display().to_string(), plan)
+        result(problems, &study.file, plan)
     }
 
     /// Refuses two runs that are the same but for their names.
@@ -90,7 +91,7 @@ impl Plan {
                 let (one, two) = (&first.name, &member.name);
                 let message = format!("the runs {one} and {two} are the same run");
                 let line = study.axes.first().or(study.replicates.as_ref()).map(|axis| axis.line);
-                problems.add(Problem { line, key: String::new(), value: None, message });
+                problems.add(error_at(line.unwrap_or(0), "", message));
             }
         }
     }
@@ -119,8 +120,7 @@ fn check_seeds(
         let message = "the seed changes nothing: a bed that begins with the end of another run draws no random \
                        numbers. Let the start vary: an [[axis]] with replicate = true and keys = \
                        [\"particles.seed\", \"particles.start.path\"]";
-        let (line, key) = (Some(axis.line), SEED.to_owned());
-        problems.add(Problem { line, key, value: None, message: message.to_owned() });
+        problems.add(error_at(axis.line, SEED, message.to_owned()));
     }
 }
 

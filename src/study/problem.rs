@@ -1,92 +1,26 @@
-//! What is wrong with a study file, and with the cases of its runs: every error with its line, key, value and what is
-//! allowed.
+//! What is wrong with a study, and with the cases of its runs.
 
-use crate::input::{InputError, InputErrors, SourcePlace};
+use crate::input::{InputError, InputErrors, Problems, SourcePlace};
 use crate::study::setting::Setting;
-use std::cell::RefCell;
-use std::fmt;
-use thiserror::Error;
+use std::path::Path;
 
-/// One error of a study file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Problem {
-    /// Line in the study file, from 1; `None` for the file as a whole.
-    pub(crate) line: Option<usize>,
-    /// Path of the key, for example `bisection.tolerance`; empty if the error belongs to no key.
-    pub(crate) key: String,
-    /// The value as it was written, if there is one.
-    pub(crate) value: Option<String>,
-    /// What is wrong, or what is allowed.
-    pub(crate) message: String,
+/// An error of a key, at a line of the study file; line 0 stands for the file as a whole.
+pub(crate) fn error_at(line: usize, key: impl Into<String>, message: String) -> InputError {
+    let place = if line == 0 { SourcePlace::File } else { SourcePlace::Line(line) };
+    InputError { place, key: key.into(), value: None, message }
 }
 
-/// All errors of a study file, in the order of its lines; at least one.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub(crate) struct Refusal {
-    /// Name of the file as the user gave it.
-    pub(crate) file: String,
-    /// The errors.
-    pub(crate) problems: Vec<Problem>,
-}
+/// No more errors than these are kept: each run of a study may have its own.
+const MOST_KEPT: usize = 20;
 
-/// No more errors than these are printed.
-const MOST_PRINTED: usize = 20;
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, problem) in self.problems.iter().take(MOST_PRINTED).enumerate() {
-            if index > 0 {
-                writeln!(formatter)?;
-            }
-            write!(formatter, "{}", self.file)?;
-            if let Some(line) = problem.line {
-                write!(formatter, ":{line}")?;
-            }
-            if !problem.key.is_empty() {
-                write!(formatter, ": {}", problem.key)?;
-                if let Some(value) = &problem.value {
-                    write!(formatter, " = {value}")?;
-                }
-            }
-            write!(formatter, ": {}", problem.message)?;
-        }
-        match self.problems.len().saturating_sub(MOST_PRINTED) {
-            0 => Ok(()),
-            more => write!(formatter, "\nand {more} more"),
-        }
-    }
-}
-
-/// Collects errors while a file is read.
-#[derive(Debug, Default)]
-pub(crate) struct Problems(RefCell<Vec<Problem>>);
-
-impl Problems {
-    /// Adds an error, once.
-    pub(crate) fn add(&self, problem: Problem) {
-        let mut problems = self.0.borrow_mut();
-        if !problems.contains(&problem) {
-            problems.push(problem);
-        }
-    }
-
-    /// Adds an error of the file as a whole.
-    pub(crate) fn add_whole(&self, message: impl Into<String>) {
-        let message = message.into();
-        self.add(Problem { line: None, key: String::new(), value: None, message });
-    }
-
-    /// The value if nothing is wrong, else the errors in the order of their lines.
-    pub(crate) fn result<T>(self, file: &str, value: Option<T>) -> Result<T, Refusal> {
-        let mut problems = self.0.into_inner();
-        match value {
-            Some(value) if problems.is_empty() => Ok(value),
-            _ => {
-                problems.sort_by_key(|problem| problem.line);
-                Err(Refusal { file: file.to_owned(), problems })
-            }
-        }
-    }
+/// The value if nothing is wrong with a study, else the errors.
+pub(crate) fn result<T>(
+    problems: Problems,
+    file: &Path,
+    value: Option<T>,
+) -> Result<T, InputErrors> {
+    let result = problems.result(&file.display().to_string(), value);
+    result.map_err(|errors| errors.first(MOST_KEPT))
 }
 
 /// One error of the case of a run.
@@ -123,13 +57,12 @@ impl CaseProblem {
     }
 
     /// The error with the line of the study file that made the setting.
-    pub(crate) fn place(self, settings: &[Setting]) -> Problem {
+    pub(crate) fn place(self, settings: &[Setting]) -> InputError {
         let Self { setting, message } = self;
         let argument = |given: &&Setting| Some(given.argument()) == setting;
-        let line = settings.iter().find(argument).map(|given| given.line);
-        // What the study itself sets stands at no line.
-        let line = line.filter(|&line| line > 0);
-        Problem { line, key: String::new(), value: None, message }
+        // What the study itself sets stands at line 0.
+        let line = settings.iter().find(argument).map_or(0, |given| given.line);
+        error_at(line, "", message)
     }
 }
 

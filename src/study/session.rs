@@ -1,12 +1,13 @@
 //! A study that was read, expanded and found to be right.
 
+use crate::input::{InputErrors, Problems, SourcePlace};
 use crate::study::case_text::continued;
 use crate::study::checker::CaseChecker;
 use crate::study::definition::Study;
 use crate::study::folder::{Results, StudyFolder, make_folder, write_whole};
 use crate::study::member::{Member, MemberFactory};
 use crate::study::plan::Plan;
-use crate::study::problem::{Problem, Problems, Refusal};
+use crate::study::problem::{error_at, result};
 use crate::study::run_outline::RunOutline;
 use crate::study::setting::{Setting, Value};
 use crate::study::start::StartState;
@@ -35,7 +36,7 @@ impl<'a> Session<'a> {
         folder: &'a StudyFolder,
         starts: Vec<StartState>,
         checker: &'a dyn CaseChecker,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, InputErrors> {
         write_continued_case(study, folder)?;
         let factory = MemberFactory::new(study, checker, folder.continued_case(), starts);
         let plan = Plan::new(study, &factory, checker)?;
@@ -44,24 +45,25 @@ impl<'a> Session<'a> {
 
     /// What is known about the runs.
     pub(crate) fn results(&self) -> Results<'a> {
-        Results { folder: self.folder, measures: &self.study.measures }
+        Results { folder: self.folder, quantities: &self.study.quantities }
     }
 
     /// Checks the case of every run of some tasks that has not begun, before anything runs.
     ///
     /// # Errors
     /// All that is wrong, with the lines of the study file.
-    pub(crate) fn check(&self, tasks: &[Task]) -> Result<(), Refusal> {
+    pub(crate) fn check(&self, tasks: &[Task]) -> Result<(), InputErrors> {
         let problems = Problems::default();
-        let members = self.members_to_check(tasks).map_err(|message| problems.add_whole(message));
+        let members = self.members_to_check(tasks);
+        let members = members.map_err(|message| problems.add_at(SourcePlace::File, message));
         let members = members.unwrap_or_default();
         if !members.is_empty() {
             log::info!("checking {}", count_of(members.len(), "case"));
         }
         let check = |member| self.check_member(member, &problems);
         let runs: Vec<RunOutline> = members.iter().filter_map(check).collect();
-        self.check_measures(&runs, &problems);
-        problems.result(&self.study.file.display().to_string(), Some(()))
+        self.check_quantities(&runs, &problems);
+        result(problems, &self.study.file, Some(()))
     }
 
     /// All runs that are known now and have not begun; of a search the ends of its bracket and its middle.
@@ -85,26 +87,23 @@ impl<'a> Session<'a> {
         Ok(members)
     }
 
-    /// Refuses measures for which none of the runs has anything.
-    fn check_measures(&self, runs: &[RunOutline], problems: &Problems) {
-        for measure in &self.study.measures {
+    /// Refuses quantities for which none of the runs has anything.
+    fn check_quantities(&self, runs: &[RunOutline], problems: &Problems) {
+        for quantity in &self.study.quantities {
             let reasons: Option<Vec<String>> =
-                runs.iter().map(|run| measure.measure.impossible(run)).collect();
+                runs.iter().map(|run| quantity.quantity.impossible(run)).collect();
             if let Some(reason) = reasons.unwrap_or_default().first() {
-                let (line, key) = (Some(measure.line), format!("measure.{}", measure.name));
-                let message = format!("no run can give it: {reason}");
-                problems.add(Problem { line, key, value: None, message });
+                problems.add(quantity.error(format!("no run can give it: {reason}")));
             }
         }
     }
 
-    /// Refuses what is wrong with the case of a run and its measures; of a case that can be read, what its run will do.
+    /// Refuses what is wrong with the case of a run and its quantities; of a case that can be read, what its run will do.
     fn check_member(&self, member: &Member, problems: &Problems) -> Option<RunOutline> {
         let start = member.start.as_deref().map(StartState::checkpoint).transpose();
         let start = start.unwrap_or_else(|message| {
-            let (line, key) =
-                (self.study.start.as_ref().map(|start| start.line), "start.study".to_owned());
-            problems.add(Problem { line, key, value: None, message });
+            let line = self.study.start.as_ref().map_or(0, |start| start.line);
+            problems.add(error_at(line, "start.study", message));
             None
         });
         let before = member.predecessor.as_deref();
@@ -116,10 +115,9 @@ impl<'a> Session<'a> {
                 return None;
             }
         };
-        for measure in &self.study.measures {
-            if let Err(message) = measure.measure.check(&run) {
-                let (line, key) = (Some(measure.line), format!("measure.{}", measure.name));
-                problems.add(Problem { line, key, value: None, message });
+        for quantity in &self.study.quantities {
+            if let Err(message) = quantity.quantity.check(&run) {
+                problems.add(quantity.error(message));
             }
         }
         Some(run)
@@ -127,7 +125,7 @@ impl<'a> Session<'a> {
 }
 
 /// Writes the case of continued runs, if the study has any.
-fn write_continued_case(study: &Study, folder: &StudyFolder) -> Result<(), Refusal> {
+fn write_continued_case(study: &Study, folder: &StudyFolder) -> Result<(), InputErrors> {
     let Some(continuation) = &study.continuation else { return Ok(()) };
     let problems = Problems::default();
     let text = std::fs::read_to_string(&study.case).map_err(|error| error.to_string());
@@ -141,9 +139,9 @@ fn write_continued_case(study: &Study, folder: &StudyFolder) -> Result<(), Refus
         write_whole(&path, &text)
     });
     if let Err(message) = written {
-        problems.add_whole(format!("{}: {message}", study.case.display()));
+        problems.add_at(SourcePlace::File, format!("{}: {message}", study.case.display()));
     }
-    problems.result(&study.file.display().to_string(), Some(()))
+    result(problems, &study.file, Some(()))
 }
 
 /// A count with its noun: `1 run`, `2 runs`.

@@ -1,11 +1,11 @@
 //! Looks up the states with which the runs of a study begin, among the runs of another study.
 
+use crate::input::{InputErrors, Problems};
 use crate::study::checker::CaseChecker;
 use crate::study::definition::Study;
 use crate::study::folder::StudyFolder;
-use crate::study::measure::Registry;
 use crate::study::member::Member;
-use crate::study::problem::{Problem, Problems, Refusal};
+use crate::study::problem::{error_at, result};
 use crate::study::session::Session;
 use crate::study::setting::{SEED, Setting};
 use crate::study::start::{Start, StartState};
@@ -19,12 +19,11 @@ use std::sync::Arc;
 pub(crate) fn starting_states(
     study: &Study,
     checker: &dyn CaseChecker,
-) -> Result<Vec<StartState>, Refusal> {
+) -> Result<Vec<StartState>, InputErrors> {
     let Some(start) = &study.start else { return Ok(Vec::new()) };
     let problems = Problems::default();
     let refuse = |key: &str, message: String| {
-        let (line, key) = (Some(start.line), key.to_owned());
-        problems.add(Problem { line, key, value: None, message });
+        problems.add(error_at(start.line, key, message));
     };
     let states = states_of(start, checker).unwrap_or_else(|message| {
         refuse("start.study", message);
@@ -39,12 +38,12 @@ pub(crate) fn starting_states(
             refuse("start.study", format!("{} has no seed {seed}", start.study.display()));
         }
     }
-    problems.result(&study.file.display().to_string(), Some(states))
+    result(problems, &study.file, Some(states))
 }
 
 fn states_of(start: &Start, checker: &dyn CaseChecker) -> Result<Vec<StartState>, String> {
     let name = start.study.display();
-    let other = crate::study::file::read(&start.study, &Registry::default());
+    let other = crate::study::file::read(&start.study);
     let other = other.map_err(|refusal| format!("is refused: {refusal}"))?;
     if !other.axes.is_empty() || other.bisection.is_some() || other.start.is_some() {
         return Err(format!("{name} must have one run for each seed: no axis, bisection or start"));

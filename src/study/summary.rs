@@ -4,8 +4,8 @@ use crate::output::readers::SeriesTable;
 use crate::output::{Cells, Column, ResultTable, print, read_text};
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
-use crate::study::measure::{Measure, OfResults, Reduction, Statistic, Value, Window, reduced};
 use crate::study::member::short_name;
+use crate::study::quantity::{Quantity, Reduction, Registry, Statistic, Value, Window, reduced};
 use crate::study::table::{OfPoints, csv};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -131,20 +131,21 @@ impl<'o> Summary<'o> {
                 .push(row.map_err(|error| anyhow::anyhow!("{}/series.csv: {error}", run.folder))?);
         }
         let mut summary = Self { keys: differing_keys(&runs), runs, options, columns, values };
-        let of_results = OfResults::default();
+        let registry = Registry::default();
         for name in &options.measures {
-            let measure = of_results.named(name, reduction, &options.results);
-            let measure = measure.map_err(|error| anyhow::anyhow!("--measure {name}: {error}"))?;
-            summary.add(name, measure.as_ref()).with_context(|| format!("--measure {name}"))?;
+            let quantity = registry.of_results(name, reduction, &options.results);
+            let quantity =
+                quantity.map_err(|error| anyhow::anyhow!("--measure {name}: {error}"))?;
+            summary.add(name, quantity.as_ref()).with_context(|| format!("--measure {name}"))?;
         }
         Ok(summary)
     }
 
     /// Adds a column. Where a run gives nothing, the reason is printed and the cell stays empty.
-    fn add(&mut self, name: &str, measure: &dyn Measure) -> anyhow::Result<()> {
+    fn add(&mut self, name: &str, quantity: &dyn Quantity) -> anyhow::Result<()> {
         let mut unit = None;
         for (run, row) in self.runs.iter().zip(&mut self.values) {
-            let measured = measure.value(Path::new(&run.folder))?;
+            let measured = quantity.value(Path::new(&run.folder))?;
             row.push(match measured.value {
                 Value::Number(value) => value,
                 Value::Text(reason) | Value::Nothing(reason) => {
@@ -273,10 +274,7 @@ fn columns(runs: &[Run], options: &SummaryOptions) -> anyhow::Result<Vec<(String
     let find = |wanted: &String| {
         let column = known.iter().find(|(name, _)| name == wanted).cloned();
         column.with_context(|| {
-            format!(
-                "--column {wanted}: no such column: {}",
-                crate::study::section::advice(wanted, &names)
-            )
+            format!("--column {wanted}: no such column: {}", crate::input::advice(wanted, &names))
         })
     };
     options.columns.iter().map(find).collect()

@@ -1,8 +1,8 @@
 //! A part of a study that can run by itself: one run, a chain of runs, or a search.
 
 use crate::study::bisection::{Bisection, Search};
-use crate::study::measure::Measured;
 use crate::study::member::{Member, MemberFactory};
+use crate::study::quantity::Measured;
 use crate::study::setting::{Setting, Value};
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub(crate) trait Records {
     /// How far a run has come.
     fn state(&self, member: &Member) -> RunState;
 
-    /// A measure of a complete run.
+    /// A quantity of a complete run.
     ///
     /// # Errors
     /// If the results do not hold it.
@@ -171,7 +171,7 @@ impl Task {
     }
 }
 
-/// The measure that decides, if the run is complete.
+/// The quantity that decides, if the run is complete.
 fn measured(
     member: &Member,
     search: &Bisection,
@@ -179,9 +179,9 @@ fn measured(
 ) -> Result<Option<f64>, String> {
     match records.state(member) {
         RunState::Done(_) => {
-            let measured = records.measure(member, &search.measure)?;
+            let measured = records.measure(member, &search.quantity)?;
             let count = search.threshold.count(&measured.value);
-            count.map(Some).map_err(|why| format!("{}: {}: {why}", member.name, search.measure))
+            count.map(Some).map_err(|why| format!("{}: {}: {why}", member.name, search.quantity))
         }
         RunState::Failed(reason) => Err(format!("{}: {reason}", member.name)),
         _ => Ok(None),

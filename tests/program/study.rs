@@ -3,7 +3,7 @@
 
 use crate::faults::Fault;
 use crate::launch::{Ended, in_repository, signal, start, talcum, turn_of_mpirun};
-use crate::toml_files::toml_files;
+use crate::toml_files::study_files;
 use std::path::{Path, PathBuf};
 
 /// Exit code of a study that was stopped and can be resumed.
@@ -193,7 +193,7 @@ fn results_of_a_complete_run_that_were_cut_short_or_are_gone_are_an_error() {
 }
 
 #[test]
-fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() {
+fn a_quantity_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("out");
     for (measure, reason) in [
@@ -218,7 +218,7 @@ fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() 
 }
 
 #[test]
-fn a_search_may_name_its_own_measure_and_counts_as_failed_if_it_has_none() {
+fn a_search_may_name_its_own_quantity_and_counts_as_failed_if_it_has_none() {
     let folder = tempfile::tempdir().unwrap();
     let search = "[set]\noutput.profiles = 0.1\n[bisection]\nkey = \"gas.superficial_velocity\"\n\
                   bracket = [0.01, 0.02]\ntolerance = 0.005\nmeasure = \"bed.height\"\n\
@@ -332,7 +332,7 @@ fn kept_tables_of_runs_are_known_to_their_studies() {
 }
 
 fn studies_of(name: &str) -> Vec<PathBuf> {
-    toml_files(&format!("cases/{name}/studies"))
+    study_files(&format!("cases/{name}"))
 }
 
 /// The refusal reaches the user.
@@ -343,7 +343,7 @@ fn a_table_of_another_study_is_refused() {
     let study = in_repository("cases/moon2006/studies/fig3.toml");
     let refused = run(&study, folder.path(), &["--known", table.to_str().unwrap(), "--status"]);
     assert_code(&refused, 1);
-    assert!(refused.error().contains("fig7-runs.csv: measure "), "{}", refused.errors);
+    assert!(refused.error().contains("fig7-runs.csv: quantity "), "{}", refused.errors);
     assert!(refused.error().contains("this was not measured"), "{}", refused.errors);
 }
 

@@ -1,10 +1,11 @@
 //! The axes of a study: lists, ranges, keys that move together, and replicates.
 
+use super::value;
+use crate::input::{self, Section, advice};
 use crate::study::definition::{Axis, Study};
-use crate::study::problem::Problem;
-use crate::study::section::{Entry, Section, advice, number_of};
+use crate::study::problem::error_at;
+use crate::study::schema::MOST_VALUES;
 use crate::study::setting::{SEED, Setting, Value, rounded};
-use toml::de::DeValue;
 
 /// An axis, and whether it holds replicates of each point instead of points.
 pub(super) struct GivenAxis {
@@ -12,150 +13,92 @@ pub(super) struct GivenAxis {
     pub(super) replicate: bool,
 }
 
-/// A range with more values than this is a slip of the keyboard.
-const MOST_VALUES: u64 = 100_000;
-
 /// All axes that can be read, in the order of the file.
-pub(super) fn axes(root: &Section<'_>) -> Vec<GivenAxis> {
-    let Some(entry) = root.optional("axis") else { return Vec::new() };
-    let entries = entry.list().unwrap_or_default();
-    entries.iter().filter_map(|entry| axis(&entry.section()?)).collect()
+pub(super) fn axes(root: &Section<'_>, text: &str) -> Vec<GivenAxis> {
+    root.tables("axis").iter().filter_map(|section| axis(section, text)).collect()
 }
 
-fn axis(section: &Section<'_>) -> Option<GivenAxis> {
-    let keys = keys(section);
-    let name = section.optional("name").map(|entry| entry.text());
-    let replicate = match section.optional("replicate") {
-        None => false,
-        Some(entry) => match entry.value {
-            DeValue::Boolean(truth) => *truth,
-            _ => {
-                entry.fail("must be true or false");
-                false
-            }
-        },
+fn axis(section: &Section<'_>, text: &str) -> Option<GivenAxis> {
+    let keys = match section.given(&["key", "keys"])? {
+        "key" => vec![section.text("key")?],
+        _ => section.texts("keys")?,
     };
-    let (list, range) = (section.optional("values"), section.optional("range"));
-    section.finish();
-    let keys = keys?;
-    let values = match (list, range) {
-        (Some(list), None) => listed(&list, keys.len())?,
-        (None, Some(entry)) if keys.len() == 1 => range_values(&entry)?,
-        (None, Some(entry)) => {
-            entry.fail("a range has one key: list the values of keys that move together");
-            return None;
-        }
-        (None, None) => {
-            section.fail("values", "missing: give values or range");
-            return None;
-        }
-        (Some(_), Some(entry)) => {
-            entry.fail("cannot be given together with values: give one only");
+    let values = match section.given(&["values", "range"])? {
+        "values" => listed(section, keys.len(), text)?,
+        _ if keys.len() == 1 => range_values(section)?,
+        _ => {
+            section
+                .fail("range", "a range has one key: list the values of keys that move together");
             return None;
         }
     };
-    let name = name.unwrap_or_else(|| keys.first().cloned())?;
-    Some(GivenAxis { axis: Axis { name, keys, values, line: section.line }, replicate })
-}
-
-/// The one key, or the keys that move together.
-fn keys(section: &Section<'_>) -> Option<Vec<String>> {
-    match (section.optional("key"), section.optional("keys")) {
-        (Some(key), None) => Some(vec![key.text()?]),
-        (None, Some(keys)) => keys.list()?.iter().map(Entry::text).collect(),
-        (None, None) => {
-            section.fail("key", "missing: give key, or keys that move together");
-            None
-        }
-        (Some(_), Some(keys)) => {
-            keys.fail("cannot be given together with key: give one only");
-            None
-        }
-    }
+    let name = match section.has("name") {
+        true => section.text("name")?,
+        false => keys.first()?.clone(),
+    };
+    let axis = Axis { name, keys, values, line: section.node.line() };
+    Some(GivenAxis { axis, replicate: section.boolean("replicate")? })
 }
 
 /// Listed values: one for each position, or for several keys a list for each position.
-fn listed(entry: &Entry<'_>, keys: usize) -> Option<Vec<Vec<Value>>> {
-    let row = |item: &Entry<'_>| {
+fn listed(section: &Section<'_>, keys: usize, text: &str) -> Option<Vec<Vec<Value>>> {
+    let row = |item: &input::Node| {
         if keys == 1 {
-            return Some(vec![value(item)]);
+            return Some(vec![value(item, text)]);
         }
-        let row: Vec<Value> = item.list()?.iter().map(value).collect();
-        if row.len() != keys {
-            item.fail(format!("must have {keys} values, one for each of keys"));
+        if item.items().len() != keys {
+            let message = format!("must have {keys} values, one for each of keys");
+            section.problems.add(item.error(message));
             return None;
         }
-        Some(row)
+        Some(item.items().iter().map(|member| value(member, text)).collect())
     };
-    entry.list()?.iter().map(row).collect()
-}
-
-/// Any value that a key of the case may take.
-pub(super) fn value(entry: &Entry<'_>) -> Value {
-    Value::new(entry.written, number_of(entry.value))
+    section.right("values")?.items().iter().map(row).collect()
 }
 
 /// `{ from, to, step }` or `{ from, to, count, scale }`.
-fn range_values(entry: &Entry<'_>) -> Option<Vec<Vec<Value>>> {
-    let section = entry.section()?;
-    let from = section.required("from", "a number");
-    let to = section.required("to", "a number");
-    let (step, count) = (section.optional("step"), section.optional("count"));
-    let scale = scale(&section);
-    section.finish();
-    let (from_entry, to_entry) = (from?, to?);
-    let (from, to) = (from_entry.number()?, to_entry.number()?);
-    let logarithmic = scale?;
+fn range_values(axis: &Section<'_>) -> Option<Vec<Vec<Value>>> {
+    let range = axis.table("range")?;
+    let (from, to) = (range.number("from")?, range.number("to")?);
+    let logarithmic = range.word("scale")? == "logarithmic";
     if logarithmic && (from <= 0.0 || to <= 0.0) {
-        entry.fail("a logarithmic range must lie above 0");
+        axis.fail("range", "a logarithmic range must lie above 0");
         return None;
     }
-    let whole = |entry: &Entry<'_>| matches!(entry.value, DeValue::Integer(_));
-    let mut all_whole = whole(&from_entry) && whole(&to_entry);
-    let numbers: Vec<f64> = match (step, count) {
-        (Some(step), None) if !logarithmic => {
-            all_whole &= whole(&step);
-            let intervals = intervals(&step, from, to)?;
-            let step = step.number()?;
-            (0..=intervals).map(|index| rounded(from + index as f64 * step)).collect()
+    let numbers: Vec<f64> = match range.given(&["step", "count"])? {
+        "count" => {
+            let last = range.count("count")? - 1;
+            (0..=last).map(|index| between([from, to], index, last, logarithmic)).collect()
         }
-        (None, Some(count)) => {
-            let count = count.count(2, MOST_VALUES)?;
-            (0..count).map(|index| between(from, to, index, count - 1, logarithmic)).collect()
-        }
-        _ => {
-            entry.fail("must have either step (not logarithmic) or count");
+        _ if logarithmic => {
+            range.fail("step", "cannot be given on a logarithmic scale: give count");
             return None;
         }
+        _ => {
+            let (step, intervals) = (range.number("step")?, intervals(&range, from, to)?);
+            (0..=intervals).map(|index| rounded(from + index as f64 * step)).collect()
+        }
     };
-    all_whole &= numbers.iter().all(|number| number.fract() == 0.0);
+    let is_whole = |key: &&str| {
+        range.right(key).is_none_or(|node| matches!(node.value, input::Value::Integer(_)))
+    };
+    let all_whole = ["from", "to", "step"].iter().all(is_whole)
+        && numbers.iter().all(|number| number.fract() == 0.0);
     Some(numbers.into_iter().map(|number| vec![of_range(number, all_whole)]).collect())
 }
 
-/// Whether the scale is logarithmic.
-pub(super) fn scale(section: &Section<'_>) -> Option<bool> {
-    let Some(entry) = section.optional("scale") else { return Some(false) };
-    match entry.text()?.as_str() {
-        "linear" => Some(false),
-        "logarithmic" => Some(true),
-        _ => {
-            entry.fail("must be \"linear\" or \"logarithmic\"");
-            None
-        }
-    }
-}
-
-fn intervals(step: &Entry<'_>, from: f64, to: f64) -> Option<u64> {
+fn intervals(range: &Section<'_>, from: f64, to: f64) -> Option<u64> {
     // The end belongs to the range although its distance is no exact multiple of the step in binary.
-    let intervals = ((to - from) / step.number()? + 1.0e-9).floor();
+    let intervals = ((to - from) / range.number("step")? + 1.0e-9).floor();
     if !(0.0..MOST_VALUES as f64).contains(&intervals) {
-        step.fail(format!("must lead from {from} to {to} in less than {MOST_VALUES} steps"));
+        let message = format!("must lead from {from} to {to} in less than {MOST_VALUES} steps");
+        range.fail("step", message);
         return None;
     }
     Some(intervals as u64)
 }
 
-fn between(from: f64, to: f64, index: u64, last: u64, logarithmic: bool) -> f64 {
+fn between([from, to]: [f64; 2], index: u64, last: u64, logarithmic: bool) -> f64 {
     let share = index as f64 / last as f64;
     match index {
         0 => from,
@@ -175,37 +118,36 @@ fn of_range(number: f64, whole: bool) -> Value {
 /// The replicates: `seeds`, or the one axis that says `replicate = true`.
 pub(super) fn replicates(root: &Section<'_>, axes: &[GivenAxis]) -> Option<Axis> {
     let given: Vec<&Axis> = axes.iter().filter(|axis| axis.replicate).map(|a| &a.axis).collect();
-    let seeds = root.optional("seeds");
-    if let (Some(second), true) = (given.get(usize::from(seeds.is_none())), !given.is_empty()) {
-        let (line, key, value) = (Some(second.line), "axis.replicate".to_owned(), None);
+    let has_seeds = root.has("seeds");
+    if let (Some(second), true) = (given.get(usize::from(!has_seeds)), !given.is_empty()) {
         let message = "there can be one axis of replicates only, or seeds".to_owned();
-        root.source.problems.add(Problem { line, key, value, message });
+        root.problems.add(error_at(second.line, "axis.replicate", message));
         return None;
     }
-    let Some(entry) = seeds else { return given.first().map(|axis| (*axis).clone()) };
-    let values = match entry.value {
-        DeValue::Array(_) => {
-            let seeds: Option<Vec<u64>> =
-                entry.list()?.iter().map(|seed| seed.count(0, i64::MAX as u64)).collect();
-            seeds?.into_iter().map(Value::from_count).collect()
-        }
-        _ => (1..=entry.count(1, 10_000)?).map(Value::from_count).collect::<Vec<_>>(),
+    if !has_seeds {
+        return given.first().map(|axis| (*axis).clone());
+    }
+    let node = root.right("seeds")?;
+    let seeds = match node.as_count() {
+        Some(count) => (1..=count).collect(),
+        None => node.as_list(input::Node::as_count)?,
     };
-    let values = values.into_iter().map(|value| vec![value]).collect();
-    let (name, keys, line) = (SEED.to_owned(), vec![SEED.to_owned()], entry.line);
+    let values = seeds.into_iter().map(|seed| vec![Value::from_count(seed)]).collect();
+    let (name, keys, line) = (SEED.to_owned(), vec![SEED.to_owned()], node.line());
     Some(Axis { name, keys, values, line })
 }
 
-/// The position of the axis that an entry names.
-pub(super) fn find(entry: &Entry<'_>, axes: &[Axis]) -> Option<usize> {
-    let name = entry.text()?;
+/// The position of the axis that a key of a section names.
+pub(super) fn find(section: &Section<'_>, key: &str, axes: &[Axis]) -> Option<usize> {
+    let name = section.text(key)?;
     let position = axes.iter().position(|axis| axis.name == name);
     if position.is_none() {
         let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
-        entry.fail(match names.as_slice() {
+        let message = match names.as_slice() {
             [] => "there is no axis".to_owned(),
             _ => format!("no such axis: {}", advice(&name, &names)),
-        });
+        };
+        section.fail(key, message);
     }
     position
 }
@@ -213,8 +155,7 @@ pub(super) fn find(entry: &Entry<'_>, axes: &[Axis]) -> Option<usize> {
 /// Refuses a key that is set in two places, and values that occur twice on an axis.
 pub(super) fn check_keys(study: &Study, root: &Section<'_>) {
     let fail = |line: usize, key: &str, message: String| {
-        let (line, key) = (Some(line), key.to_owned());
-        root.source.problems.add(Problem { line, key, value: None, message });
+        root.problems.add(error_at(line, key, message));
     };
     let of_axes = study.axes.iter().chain(&study.replicates);
     let mut places: Vec<(&str, usize)> =

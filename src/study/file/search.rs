@@ -1,39 +1,27 @@
 //! `[bisection]` in a study file.
 
 use super::axes;
+use crate::input::{Node, Section, advice};
 use crate::study::bisection::{Bisection, Brackets, Direction, Threshold};
 use crate::study::definition::{Axis, Study};
-use crate::study::measure::{NamedMeasure, Registry};
-use crate::study::problem::Problem;
-use crate::study::section::{Entry, Section, advice};
-use toml::de::DeValue;
+use crate::study::quantity::{NamedQuantity, Registry};
 
 /// Reads the section.
-pub(super) fn bisection(entry: &Entry<'_>, grid: &[Axis]) -> Option<Bisection> {
-    let section = entry.section()?;
-    let key = section.required("key", "the key of the case whose critical value is sought");
-    let brackets = brackets(&section, grid);
-    let tolerance = section.required("tolerance", "a number above 0");
-    let measure = section.required("measure", "the name of a measure of this study");
-    let threshold = section.required("threshold", "a number, or a text that the measure may give");
-    let direction = direction(&section);
-    let logarithmic = axes::scale(&section);
-    section.finish();
-    let (brackets, tolerance) = (brackets?, tolerance?);
+pub(super) fn bisection(section: &Section<'_>, grid: &[Axis]) -> Option<Bisection> {
     let search = Bisection {
-        key: key?.text()?,
-        brackets,
-        tolerance: tolerance.number()?,
-        measure: measure?.text()?,
-        threshold: read_threshold(&threshold?)?,
-        direction: direction?,
-        logarithmic: logarithmic?,
-        line: section.line,
+        key: section.text("key")?,
+        brackets: brackets(section, grid)?,
+        tolerance: section.number("tolerance")?,
+        quantity: section.text("measure")?,
+        threshold: threshold(section.right("threshold")?)?,
+        direction: section.choice("direction", &Direction::ALL)?,
+        logarithmic: section.word("scale")? == "logarithmic",
+        line: section.node.line(),
     };
     for [lower, upper] in search.brackets.all() {
-        if search.tolerance <= 0.0 || search.tolerance >= upper - lower {
+        if search.tolerance >= upper - lower {
             let width = upper - lower;
-            tolerance.fail(format!("must be above 0 and below {width}, the width of a bracket"));
+            section.fail("tolerance", format!("must be below {width}, the width of a bracket"));
         }
         if search.logarithmic && *lower <= 0.0 {
             section.fail("bracket", "must lie above 0 on a logarithmic scale");
@@ -42,98 +30,77 @@ pub(super) fn bisection(entry: &Entry<'_>, grid: &[Axis]) -> Option<Bisection> {
     Some(search)
 }
 
-fn read_threshold(entry: &Entry<'_>) -> Option<Threshold> {
-    match entry.value {
-        DeValue::String(_) => entry.text().map(Threshold::Text),
-        _ => entry.number().map(Threshold::Number),
-    }
-}
-
-fn direction(section: &Section<'_>) -> Option<Direction> {
-    let allowed = "\"rises\" or \"falls\": what the measure does as the key grows";
-    let entry = section.required("direction", allowed)?;
-    match entry.text()?.as_str() {
-        "rises" => Some(Direction::Rises),
-        "falls" => Some(Direction::Falls),
-        _ => {
-            entry.fail(format!("must be {allowed}"));
-            None
-        }
-    }
+fn threshold(node: &Node) -> Option<Threshold> {
+    let text = node.as_text().map(|text| Threshold::Text(text.to_owned()));
+    text.or_else(|| node.as_number().map(Threshold::Number))
 }
 
 /// One bracket for all points, or one for each position of the axis that `bracket_along` names.
 fn brackets(section: &Section<'_>, grid: &[Axis]) -> Option<Brackets> {
-    let entry = section.required("bracket", "two numbers, the smaller first");
-    let along = section.optional("bracket_along");
-    let entry = entry?;
-    let Some(along) = along else { return pair(&entry).map(Brackets::One) };
-    let axis = axes::find(&along, grid)?;
-    let brackets: Option<Vec<[f64; 2]>> = entry.list()?.iter().map(pair).collect();
+    let node = section.right("bracket")?;
+    if !section.has("bracket_along") {
+        return pair(section, node).map(Brackets::One);
+    }
+    let axis = axes::find(section, "bracket_along", grid)?;
+    let brackets: Option<Vec<[f64; 2]>> =
+        node.items().iter().map(|item| pair(section, item)).collect();
     let (brackets, positions) = (brackets?, grid.get(axis)?.values.len());
     if brackets.len() != positions {
-        entry.fail(format!("must hold {positions} brackets, one for each value of the axis"));
+        let message = format!("must hold {positions} brackets, one for each value of the axis");
+        section.fail("bracket", message);
         return None;
     }
     Some(Brackets::Along { axis, brackets })
 }
 
-fn pair(entry: &Entry<'_>) -> Option<[f64; 2]> {
-    let numbers: Option<Vec<f64>> = entry.list()?.iter().map(Entry::number).collect();
-    match numbers?.as_slice() {
-        &[lower, upper] if lower < upper => Some([lower, upper]),
+fn pair(section: &Section<'_>, node: &Node) -> Option<[f64; 2]> {
+    match node.as_list(Node::as_number).as_deref() {
+        Some(&[lower, upper]) if lower < upper => Some([lower, upper]),
         _ => {
-            entry.fail("must be two numbers, the smaller first");
+            section.problems.add(node.error("must be two numbers, the smaller first"));
             None
         }
     }
 }
 
-/// The measure of a search that names one by itself.
-pub(super) fn own_measure(
-    search: Option<&Option<Bisection>>,
-    registry: &Registry,
-) -> Option<NamedMeasure> {
-    let search = search?.as_ref()?;
-    let measure = registry.named(&search.measure).ok()?;
-    Some(NamedMeasure { name: search.measure.clone(), measure, line: search.line })
+/// The quantity of a search that names one by itself.
+pub(super) fn own_quantity(search: &Bisection, registry: &Registry) -> Option<NamedQuantity> {
+    let quantity = registry.named(&search.quantity).ok()?;
+    Some(NamedQuantity { name: search.quantity.clone(), quantity, line: search.line })
 }
 
-/// Refuses a search for an unknown measure or with a threshold of another kind, or one that is combined with a
+/// Refuses a search for an unknown quantity or with a threshold of another kind, or one that is combined with a
 /// continuation.
 pub(super) fn check(study: &Study, root: &Section<'_>) {
-    let Some(search) = &study.bisection else { return };
-    let fail = |key: &str, value: Option<String>, message: String| {
-        let (line, key) = (Some(search.line), format!("bisection.{key}"));
-        root.source.problems.add(Problem { line, key, value, message });
+    let Some((search, section)) = study.bisection.as_ref().zip(root.table("bisection")) else {
+        return;
     };
-    let names: Vec<&str> = study.measures.iter().map(|measure| measure.name.as_str()).collect();
-    let measure = study.measures.iter().find(|measure| measure.name == search.measure);
-    if !names.is_empty() && measure.is_none() {
-        let message = format!("no such measure: {}", advice(&search.measure, &names));
-        fail("measure", Some(format!("{:?}", search.measure)), message);
+    let names: Vec<&str> = study.quantities.iter().map(|known| known.name.as_str()).collect();
+    let quantity = study.quantities.iter().find(|known| known.name == search.quantity);
+    if !names.is_empty() && quantity.is_none() {
+        let message = format!("no such quantity: {}", advice(&search.quantity, &names));
+        section.fail("measure", message);
     }
-    let wrong = measure.and_then(|measure| wrong_threshold(search, measure));
-    if let Some(message) = wrong {
-        fail("threshold", None, message);
+    if let Some(message) = quantity.and_then(|quantity| wrong_threshold(search, quantity)) {
+        section.fail("threshold", message);
     }
     if study.continuation.is_some() {
         let message = "cannot be combined with [continuation]: the order of a search is not known \
                        before it has ended";
-        fail("key", None, message.to_owned());
+        section.fail("key", message);
     }
 }
 
-/// Why the threshold cannot be one of the measure.
-fn wrong_threshold(search: &Bisection, measure: &NamedMeasure) -> Option<String> {
-    let name = &measure.name;
-    match (measure.measure.texts(), &search.threshold) {
+/// Why the threshold cannot be one of the quantity.
+fn wrong_threshold(search: &Bisection, quantity: &NamedQuantity) -> Option<String> {
+    let name = &quantity.name;
+    match (quantity.quantity.texts(), &search.threshold) {
         (None, Threshold::Text(_)) => Some(format!("must be a number, as {name} is")),
         (Some(texts), Threshold::Number(_)) => {
             Some(format!("must be a text that {name} may give: {}", texts.join(", ")))
         }
         (Some(texts), Threshold::Text(text)) if !texts.contains(&text.as_str()) => {
-            Some(format!("{text:?} is nothing that {name} gives: {}", advice(text, texts)))
+            Some(format!("is nothing that {name} gives: {}", advice(text, texts)))
         }
         _ => None,
     }

@@ -151,7 +151,7 @@ mod tests {
 
     fn runner(ranks: u64, launcher: &str) -> TalcumRunner {
         let launcher = Launcher::from_text(launcher);
-        let resources = Resources { ranks, launcher, ..Resources::default() };
+        let resources = Resources { ranks, launcher, at_a_time: 1 };
         TalcumRunner { program: PathBuf::from("talcum"), resources }
     }
 

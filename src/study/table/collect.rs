@@ -1,11 +1,11 @@
 //! The tables of a study: one row for each run, each search, and each point.
 
-use super::measured::MeasureColumns;
+use super::measured::QuantityColumns;
 use crate::output::{Cells, Column, ResultTable};
 use crate::study::bisection::Bisection;
-use crate::study::measure::Value;
 use crate::study::member::{Member, short_name};
 use crate::study::plan::Point;
+use crate::study::quantity::Value;
 use crate::study::session::Session;
 use crate::study::setting::{Setting, shortest};
 use crate::study::task::{Records, RunState};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub(crate) struct Collected {
     /// `runs`, `searches` if there are any, and `points`.
     pub(crate) tables: Vec<ResultTable>,
-    /// Why measures are missing from complete runs.
+    /// Why quantities are missing from complete runs.
     pub(crate) failures: Vec<String>,
 }
 
@@ -35,7 +35,7 @@ struct Row {
 /// If the case cannot be read.
 pub(crate) fn collect(session: &Session<'_>) -> Result<Collected, String> {
     let mut collector = Collector { session, units: Vec::new(), failures: Vec::new() };
-    collector.units = vec![None; session.study.measures.len()];
+    collector.units = vec![None; session.study.quantities.len()];
     let mut rows = Vec::new();
     let search = session.study.bisection.as_ref();
     for task in &session.plan.tasks {
@@ -64,7 +64,7 @@ pub(crate) fn collect(session: &Session<'_>) -> Result<Collected, String> {
 
 pub(super) struct Collector<'s> {
     pub(super) session: &'s Session<'s>,
-    /// Units of the measures, as far as a run has given them.
+    /// Units of the quantities, as far as a run has given them.
     units: Vec<Option<String>>,
     failures: Vec<String>,
 }
@@ -73,13 +73,13 @@ impl Collector<'_> {
     fn row(&mut self, member: Arc<Member>) -> Row {
         let (folder, study) = (self.session.folder, self.session.study);
         let state = folder.state(&member);
-        let mut measured = vec![None; study.measures.len()];
+        let mut measured = vec![None; study.quantities.len()];
         if let RunState::Done(_) = state {
-            for (index, measure) in study.measures.iter().enumerate() {
-                match self.session.results().measure(&member, &measure.name) {
+            for (index, quantity) in study.quantities.iter().enumerate() {
+                match self.session.results().measure(&member, &quantity.name) {
                     Ok(value) => {
                         if let Value::Nothing(reason) = &value.value {
-                            log::info!("{}: {}: {reason}", folder.name_of(&member), measure.name);
+                            log::info!("{}: {}: {reason}", folder.name_of(&member), quantity.name);
                         }
                         measured[index] = Some(value.value);
                         self.units[index].get_or_insert(value.unit);
@@ -104,10 +104,10 @@ impl Collector<'_> {
             rows.iter().map(|row| row.member.settings.as_slice()).collect();
         columns.extend(self.key_columns(&self.session.study.varied_keys(), &settings));
         columns.extend(self.origin_columns(rows));
-        for (index, measure) in self.session.study.measures.iter().enumerate() {
+        for (index, quantity) in self.session.study.quantities.iter().enumerate() {
             let values: Vec<_> = rows.iter().map(|row| row.measured[index].as_ref()).collect();
             columns
-                .push(MeasureColumns::of(measure, self.units[index].as_deref()).of_runs(&values));
+                .push(QuantityColumns::of(quantity, self.units[index].as_deref()).of_runs(&values));
         }
         ResultTable::new("runs", columns)
     }
@@ -145,12 +145,12 @@ impl Collector<'_> {
             |point: usize| rows.iter().filter(is_done).filter(move |row| row.member.point == point);
         let counts = (0..points.len()).map(|point| of_point(point).count() as u64).collect();
         columns.push(Column::new("runs", "complete runs of the point", Cells::Whole(counts)));
-        for (index, measure) in self.session.study.measures.iter().enumerate() {
+        for (index, quantity) in self.session.study.quantities.iter().enumerate() {
             let values: Vec<Vec<_>> = (0..points.len())
                 .map(|point| of_point(point).map(|row| row.measured[index].as_ref()).collect())
                 .collect();
             let (unit, confidence) = (self.units[index].as_deref(), self.session.study.confidence);
-            columns.extend(MeasureColumns::of(measure, unit).of_points(&values, confidence));
+            columns.extend(QuantityColumns::of(quantity, unit).of_points(&values, confidence));
         }
         ResultTable::new("points", columns)
     }
@@ -206,16 +206,17 @@ impl Collector<'_> {
         ];
         entries.extend(study.common.iter().map(|setting| ("set", setting.argument())));
         if let Some(search) = &study.bisection {
-            let Bisection { key, measure, threshold, tolerance, direction, .. } = search;
+            let Bisection { key, quantity, threshold, tolerance, direction, .. } = search;
             let text = format!(
-                "{key} where {measure} crosses {threshold} ({}), tolerance {tolerance}",
+                "{key} where {quantity} crosses {threshold} ({}), tolerance {tolerance}",
                 direction.name()
             );
             entries.push(("search", text));
         }
-        let measures = study.measures.iter();
-        entries
-            .extend(measures.map(|m| ("measure", format!("{}: {}", m.name, m.measure.describe()))));
+        let quantities = study.quantities.iter();
+        entries.extend(
+            quantities.map(|q| ("measure", format!("{}: {}", q.name, q.quantity.describe()))),
+        );
         entries.into_iter().map(|(name, text)| (name.to_owned(), text)).collect()
     }
 }

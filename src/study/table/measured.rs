@@ -1,44 +1,44 @@
-//! The columns of a measure in the tables of a study.
+//! The columns of a quantity in the tables of a study.
 
 use super::of_points::{OfPoints, numbers};
 use crate::output::{Cells, Column};
-use crate::study::measure::{NamedMeasure, Value};
+use crate::study::quantity::{NamedQuantity, Value};
 use std::collections::BTreeMap;
 
-/// A measure and its unit, as tables name them.
-pub(super) struct MeasureColumns<'a> {
-    measure: &'a NamedMeasure,
+/// A quantity and its unit, as tables name them.
+pub(super) struct QuantityColumns<'a> {
+    quantity: &'a NamedQuantity,
     unit: Option<&'a str>,
 }
 
-impl<'a> MeasureColumns<'a> {
+impl<'a> QuantityColumns<'a> {
     /// The unit is known as soon as a run has given it.
-    pub(super) fn of(measure: &'a NamedMeasure, unit: Option<&'a str>) -> Self {
-        Self { measure, unit }
+    pub(super) fn of(quantity: &'a NamedQuantity, unit: Option<&'a str>) -> Self {
+        Self { quantity, unit }
     }
 
     /// What each run gave; `None` where it could not be read.
     pub(super) fn of_runs(&self, values: &[Option<&Value>]) -> Column {
         let about = "of the run";
-        if self.measure.measure.texts().is_some() {
+        if self.quantity.quantity.texts().is_some() {
             let text = |value: &Option<&Value>| value.map(text_of).unwrap_or_default();
             let cells = Cells::Text(values.iter().map(text).collect());
-            return Column::new(&self.measure.name, about, cells);
+            return Column::new(&self.quantity.name, about, cells);
         }
         let values = values.iter().map(|value| number_of(*value)).collect();
-        numbers(&self.measure.name, self.unit, about, values)
+        numbers(&self.quantity.name, self.unit, about, values)
     }
 
     /// What the runs of each point gave together. Runs in which there is nothing to measure do not count; one that could
     /// not be read leaves the point without a mean.
     pub(super) fn of_points(&self, values: &[Vec<Option<&Value>>], confidence: f64) -> Vec<Column> {
-        if self.measure.measure.texts().is_some() {
+        if self.quantity.quantity.texts().is_some() {
             let cells = Cells::Text(values.iter().map(|values| tally(values)).collect());
-            return vec![Column::new(&self.measure.name, "texts of the runs", cells)];
+            return vec![Column::new(&self.quantity.name, "texts of the runs", cells)];
         }
         let given: Vec<Vec<f64>> = values.iter().map(|values| given(values)).collect();
-        let of_points = OfPoints { name: &self.measure.name, unit: self.unit, given: &given };
-        of_points.columns(self.measure.measure.may_be_nothing(), confidence)
+        let of_points = OfPoints { name: &self.quantity.name, unit: self.unit, given: &given };
+        of_points.columns(self.quantity.quantity.may_be_nothing(), confidence)
     }
 }
 

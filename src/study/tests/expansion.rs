@@ -78,12 +78,12 @@ fn names_do_not_change_when_values_are_added() {
 #[test]
 fn schedules_are_values_and_sections_are_paths() {
     let desk = Desk::new(
-        "[set]\n\"time.end\" = 8.0\ngas.superficial_velocity = { from = 0.0, to = 0.2 }\n[set.cohesion]\nbond_number = 3\n",
+        "[set]\n\"time.end\" = 8.0e0\ngas.superficial_velocity = { from = 0.0, to = 0.2 }\n[set.cohesion]\nbond_number = 3\n",
     );
     let study = desk.read().unwrap();
     let all: Vec<String> = study.common.iter().map(Setting::argument).collect();
     let expected = [
-        "time.end=8.0",
+        "time.end=8.0e0",
         "gas.superficial_velocity={ from = 0.0, to = 0.2 }",
         "cohesion.bond_number=3",
     ];

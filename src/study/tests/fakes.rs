@@ -1,12 +1,12 @@
 //! Runs without a program: their results are made up from their cases.
 
+use crate::input::InputErrors;
 use crate::study::checker::{CaseChecker, CaseRequest};
 use crate::study::definition::Study;
 use crate::study::folder::StudyFolder;
 use crate::study::job::{Exit, Job, Runner, Running};
 use crate::study::known::KnownRuns;
-use crate::study::measure::Registry;
-use crate::study::problem::{CaseProblem, Refusal};
+use crate::study::problem::CaseProblem;
 use crate::study::run_outline::RunOutline;
 use crate::study::scheduler::{Outcome, Scheduler, StopRequest};
 use crate::study::session::Session;
@@ -164,8 +164,8 @@ impl Desk {
         self.folder.path().join(name)
     }
 
-    pub(super) fn read(&self) -> Result<Study, Refusal> {
-        crate::study::file::read(&self.path("study.toml"), &Registry::default())
+    pub(super) fn read(&self) -> Result<Study, InputErrors> {
+        crate::study::file::read(&self.path("study.toml"))
     }
 
     /// What is wrong with the study, with its cases checked.
@@ -200,7 +200,7 @@ impl Desk {
 
     /// Works on another study of the desk to its end.
     pub(super) fn work_on(&self, study: &str, output: &str, runner: &FakeRunner) {
-        let study = crate::study::file::read(&self.path(study), &Registry::default()).unwrap();
+        let study = crate::study::file::read(&self.path(study)).unwrap();
         let folder = StudyFolder::at(&self.path(output));
         let session = Session::new(&study, &folder, Vec::new(), &FakeChecker).unwrap();
         run_to_the_end(&session, runner, &|| StopRequest::None);
@@ -218,7 +218,7 @@ impl Desk {
     pub(super) fn with_session<T>(&self, function: impl FnOnce(&Session<'_>) -> T) -> T {
         let study = self.read().unwrap();
         let tables: Vec<PathBuf> = self.known.iter().map(|name| self.path(name)).collect();
-        let known = KnownRuns::read(&tables, &study.measures).unwrap();
+        let known = KnownRuns::read(&tables, &study.quantities).unwrap();
         let folder = StudyFolder::at(&self.path("out")).with_known(known);
         let starts = starting_states(&study, &FakeChecker).unwrap();
         let session = Session::new(&study, &folder, starts, &FakeChecker).unwrap();
@@ -226,7 +226,7 @@ impl Desk {
     }
 }
 
-fn short(refusal: &Refusal, folder: &Path) -> String {
+fn short(refusal: &InputErrors, folder: &Path) -> String {
     refusal.to_string().replace(&format!("{}/", folder.display()), "")
 }
 

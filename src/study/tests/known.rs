@@ -78,12 +78,12 @@ fn tables_that_do_not_fit_are_refused() {
     let refusal = |table: &str| {
         let path = desk.path("known.csv");
         std::fs::write(&path, table).unwrap();
-        KnownRuns::read(&[path], &desk.read().unwrap().measures).unwrap_err()
+        KnownRuns::read(&[path], &desk.read().unwrap().quantities).unwrap_err()
     };
     let (value, heading) = ("8.4", "bed_top");
     assert!(table.contains(value) && table.contains(heading), "{table}");
     let otherwise = table.replace("last of bed_top", "mean of bed_top");
-    assert!(refusal(&otherwise).contains("measure top: last of bed_top: this was not measured"));
+    assert!(refusal(&otherwise).contains("quantity top: last of bed_top: this was not measured"));
     for wrong in ["high", "inf", "-infinity", "nan"] {
         let expected = format!("top: {wrong} is not a finite number");
         assert!(refusal(&table.replace(value, wrong)).contains(&expected), "{wrong}");
@@ -91,10 +91,11 @@ fn tables_that_do_not_fit_are_refused() {
     assert!(
         refusal(&table.replace("identity_blake3", "hash")).contains("no column identity_blake3")
     );
-    assert!(refusal("").contains("measure top"));
+    assert!(refusal("").contains("quantity top"));
     // A run that could not be measured is made again.
     std::fs::write(desk.path("known.csv"), table.replace(value, "")).unwrap();
-    let known = KnownRuns::read(&[desk.path("known.csv")], &desk.read().unwrap().measures).unwrap();
+    let known =
+        KnownRuns::read(&[desk.path("known.csv")], &desk.read().unwrap().quantities).unwrap();
     let folder = StudyFolder::at(&desk.path("elsewhere")).with_known(known);
     desk.with_session(|session| {
         assert!(folder.known(&session.plan.tasks[0].planned()[0]).is_none());

@@ -7,10 +7,10 @@ const AXIS: &str = "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [2, 4]\n"
 /// Studies and what they are refused with; their lines 1 and 2 are the title and the case.
 const REFUSED: &[(&str, &str)] = &[
     ("seed = 5\n", "study.toml:3: seed = 5: unknown key: did you mean seeds?"),
-    ("seeds = 0\n", "study.toml:3: seeds = 0: must be a whole number from 1 to 10000"),
+    ("seeds = 0\n", "study.toml:3: seeds = 0: must be between 1 and 10000"),
     ("seeds = []\n", "study.toml:3: seeds = []: must not be empty"),
     ("seeds = [4, 4]\n", "study.toml:3: particles.seed: has the same values twice"),
-    ("confidence = 95\n", "study.toml:3: confidence = 95: must be from 0.5 to 0.999"),
+    ("confidence = 95\n", "study.toml:3: confidence = 95: must be at least 0.5 and at most 0.999"),
     (
         "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = []\n",
         "study.toml:5: axis.1.values = []: must not be empty",
@@ -49,11 +49,11 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "[measure.x]\nsource = \"analyse\"\n",
-        "measure.x.source = \"analyse\": no such source of measures: did you mean analysis?",
+        "measure.x.source = \"analyse\": must be \"series\" or \"case\" or \"analysis\"; did you mean \"analysis\"?",
     ),
     (
         "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"median\"\n",
-        "measure.x.statistic = \"median\": must be one of mean, last, max, min, deviation",
+        "measure.x.statistic = \"median\": must be \"mean\" or \"last\" or \"max\"",
     ),
     (
         "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\nwindow = { from = 50 }\n",
@@ -61,7 +61,7 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "measures = [\"bed.height\", \"waves.sped\"]\n",
-        "study.toml:3: measures.2 = \"waves.sped\": no such measure: did you mean waves.speed?",
+        "study.toml:3: measures.2 = \"waves.sped\": no such quantity: did you mean waves.speed?",
     ),
     (
         "measures = [\"bed.height\", \"bed.height\"]\n",
@@ -89,19 +89,19 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "[measure.x]\nsource = \"case\"\nmeasure = \"network\"\nstatistic = \"mean\"\n",
-        "study.toml:3: measure.x.column: missing: must be a number that this measure gives (docs/measures.md)",
+        "study.toml:3: measure.x.column: missing: must be a text in quotes (A number that this measure gives",
     ),
     (
         "[measure.state]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\n",
         "study.toml:3: measure.state: is the name of another column of the tables",
     ),
-    ("[run]\nranks = 0\n", "study.toml:4: run.ranks = 0: must be a whole number from 1 to 65536"),
+    ("[run]\nranks = 0\n", "study.toml:4: run.ranks = 0: must be between 1 and 65536"),
     ("[continuation]\naxis = \"x\"\n", "study.toml:4: continuation.axis = \"x\": there is no axis"),
     (
         "[[axis]]\nkey = \"stage.pour.duration\"\nvalues = [2, 4]\n[set]\ntitle.x = 1\n",
         "study.toml:7: title.x=1: title is not a section",
     ),
-    ("seeds = 2\nseeds = 3\n", "study.toml:4: not valid TOML"),
+    ("seeds = 2\nseeds = 3\n", "study.toml:4:1: not valid TOML"),
 ];
 
 const SEARCH: &str = "[bisection]\nkey = \"cohesion.bond_number\"\nbracket = [1, 9]\ntolerance = 0.5\nmeasure = \"top\"\nthreshold = 5\ndirection = \"falls\"\n";
@@ -131,24 +131,21 @@ fn bad_searches_and_continuations_are_refused() {
         ),
         (
             search.replace("\"top\"", "\"tip\""),
-            "study.toml:3: bisection.measure = \"tip\": no such measure: known here are top",
+            "study.toml:7: bisection.measure = \"tip\": no such quantity: did you mean top?",
         ),
         (
             search.replace("\"top\"", "\"waves.state\""),
-            "study.toml:3: bisection.threshold: must be a text that waves.state may give: waves, waves_in_part",
+            "study.toml:8: bisection.threshold = 5: must be a text that waves.state may give: waves, waves_in_part",
         ),
         (
             search.replace("\"top\"", "\"waves.state\"").replace("= 5", "= \"frosen\""),
-            "bisection.threshold: \"frosen\" is nothing that waves.state gives: did you mean frozen?",
+            "bisection.threshold = \"frosen\": is nothing that waves.state gives: did you mean frozen?",
         ),
         (
             search.replace("= 5", "= \"frozen\""),
-            "study.toml:3: bisection.threshold: must be a number, as top is",
+            "study.toml:8: bisection.threshold = \"frozen\": must be a number, as top is",
         ),
-        (
-            search.replace("0.5", "9"),
-            "study.toml:6: bisection.tolerance = 9: must be above 0 and below 8",
-        ),
+        (search.replace("0.5", "9"), "study.toml:6: bisection.tolerance = 9: must be below 8"),
         (
             search.replace("[1, 9]", "[9, 1]"),
             "study.toml:5: bisection.bracket = [9, 1]: must be two numbers, the smaller first",
@@ -166,7 +163,10 @@ fn bad_searches_and_continuations_are_refused() {
     }
     let both = format!("{AXIS}[continuation]\naxis = \"cohesion.bond_number\"\n")
         + &search.replace("cohesion.bond_number", "gas.superficial_velocity");
-    assert_refused(&both, "bisection.key: cannot be combined with [continuation]");
+    assert_refused(
+        &both,
+        "bisection.key = \"gas.superficial_velocity\": cannot be combined with [continuation]",
+    );
 }
 
 #[test]
@@ -176,6 +176,32 @@ fn all_errors_are_reported_together_and_good_studies_pass() {
     assert_eq!(Desk::new(&format!("seeds = 2\n{AXIS}")).refusal(), "");
     let by_name = SEARCH.replace("\"top\"", "\"waves.state\"").replace("= 5", "= \"frozen\"");
     assert_eq!(Desk::new(&format!("measures = [\"bed.height\"]\n{by_name}")).refusal(), "");
+}
+
+#[test]
+fn the_manners_are_those_of_case_files() {
+    for (study, expected) in [
+        ("[runs]\nranks = 1\n", "study.toml:3: runs: unknown key: did you mean run?"),
+        ("[run]\nrank = 1\n", "study.toml:4: run.rank = 1: unknown key: did you mean ranks?"),
+        (
+            "[measure.x]\nsource = \"analysis\"\nquantity = \"u_mf\"\nstatistic = \"mean\"\n",
+            "study.toml:6: measure.x.statistic = \"mean\": cannot be given: source \"analysis\" has no use for it",
+        ),
+        (
+            "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\nwindow = { from = 1, last = 2 }\n",
+            "study.toml:6: measure.x.window.last = 2: cannot be given together with from: give one only",
+        ),
+        (
+            "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\nwindow = { from = 2, to = 1 }\n",
+            "study.toml:6: measure.x.window.to = 1: must not be before from",
+        ),
+        (
+            "[[axis]]\nkey = \"time.end\"\nrange = { from = 1, to = 2, step = 1, scale = \"logarithmic\" }\n",
+            "study.toml:5: axis.1.range.step = 1: cannot be given on a logarithmic scale: give count",
+        ),
+    ] {
+        assert_refused(study, expected);
+    }
 }
 
 #[test]

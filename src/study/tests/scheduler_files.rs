@@ -2,7 +2,6 @@
 
 use super::fakes::{Desk, FakeChecker};
 use crate::study::folder::StudyFolder;
-use crate::study::measure::Registry;
 use crate::study::session::Session;
 use crate::study::templates::{tell_row, write_row, write_slurm};
 use std::fs;
@@ -65,7 +64,7 @@ fn bash_reads_any_path_in_files_for_schedulers_as_it_is() {
         }
         let program = folder.join("talcum");
         make_echo(&program);
-        let study = crate::study::file::read(&folder.join("study.toml"), &Registry::default());
+        let study = crate::study::file::read(&folder.join("study.toml"));
         let (study, output) = (study.unwrap(), folder.join("out"));
         let place = StudyFolder::at(&output);
         let session = Session::new(&study, &place, Vec::new(), &FakeChecker).unwrap();

@@ -1,7 +1,27 @@
-//! The part of a run that a measure is taken from.
+//! The part of a run that a quantity is taken from.
 
-use crate::study::section::{Entry, Section};
+use crate::input::Section;
+use crate::schema::{Allowed, Key, Kind};
 use std::fmt;
+
+/// The key `window`.
+pub(super) const WINDOW: Key =
+    Key::new("window", Kind::Table(KEYS), "The times that count").optionally("the whole run");
+
+const KEYS: &[Key] = &[
+    Key::number("from", Allowed::FINITE, "First time, not after the end of the run")
+        .unit("time")
+        .or(&["last"])
+        .optionally("the start of the run"),
+    Key::number("to", Allowed::FINITE, "Last time, not before `from`")
+        .unit("time")
+        .or(&["last"])
+        .optionally("the end of the run"),
+    Key::number("last", Allowed::POSITIVE, "Instead: so much time before the last row")
+        .unit("time")
+        .or(&["from", "to"])
+        .optional(),
+];
 
 /// Times of rows are sums of steps: one part in 10^9 is far below any interval between them.
 const SLACK: f64 = 1.0e-9;
@@ -18,6 +38,24 @@ pub(crate) struct Window {
 }
 
 impl Window {
+    /// The key `window` of a section, or a whole run; `None` if it is wrong, which has then been reported.
+    pub(super) fn of_section(section: &Section<'_>) -> Option<Self> {
+        if !section.has("window") {
+            return Some(Self::default());
+        }
+        let table = section.table("window")?;
+        let [from, to, last] = ["from", "to", "last"].map(|key| table.number(key));
+        if !["from", "to", "last"].iter().any(|key| table.has(key)) {
+            section.fail("window", "must have from, to, or both, or last");
+            return None;
+        }
+        if from.zip(to).is_some_and(|(from, to)| from > to) {
+            table.fail("to", "must not be before from");
+            return None;
+        }
+        Some(Self { from, to, last })
+    }
+
     /// The smallest and the largest time of a run that ends at `end`.
     pub(crate) fn bounds(&self, end: f64) -> (f64, f64) {
         let slack = SLACK * end.abs();
@@ -50,37 +88,5 @@ impl fmt::Display for Window {
         let ends = [("from", self.from), ("to", self.to), ("last", self.last)];
         let mut given = ends.into_iter().filter_map(|(end, time)| Some((end, time?)));
         given.try_for_each(|(end, time)| write!(formatter, " {end} {time}"))
-    }
-}
-
-/// The key `window` of a section, or a whole run; `None` if it is wrong, which has then been reported.
-pub(super) fn window_of(section: &Section<'_>) -> Option<Window> {
-    section.optional("window").map_or_else(|| Some(Window::default()), |entry| window(&entry))
-}
-
-/// `{ from, to }` or `{ last }`.
-fn window(entry: &Entry<'_>) -> Option<Window> {
-    let section = entry.section()?;
-    let number = |key| section.optional(key).map(|entry| entry.number());
-    let (from, to, last) = (number("from"), number("to"), number("last"));
-    section.finish();
-    let flat = |given: Option<Option<f64>>| given.map_or(Some(None), |number| number.map(Some));
-    let window = Window { from: flat(from)?, to: flat(to)?, last: flat(last)? };
-    match window {
-        Window { from: None, to: None, last: None }
-        | Window { from: Some(_), last: Some(_), .. }
-        | Window { to: Some(_), last: Some(_), .. } => {
-            entry.fail("must have from, to, or both, or last");
-            None
-        }
-        Window { from: Some(from), to: Some(to), .. } if from > to => {
-            entry.fail("from must not be after to");
-            None
-        }
-        Window { last: Some(last), .. } if last <= 0.0 => {
-            entry.fail("last must be above 0");
-            None
-        }
-        _ => Some(window),
     }
 }

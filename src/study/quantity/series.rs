@@ -1,11 +1,14 @@
 //! A statistic of a column of `series.csv` over a window of time.
 
-use super::{Measure, MeasureSource, Measured, Reduction};
+use super::reduction::{Reduction, STATISTIC};
+use super::window::WINDOW;
+use super::{Measured, Quantity};
 use crate::analysis::Measures;
+use crate::input::{Section, advice};
 use crate::output::OutputError;
 use crate::output::readers::SeriesTable;
+use crate::schema::{Key, Kind};
 use crate::study::run_outline::RunOutline;
-use crate::study::section::{Section, advice};
 use std::path::Path;
 
 /// The columns of `series.csv`, without `time`.
@@ -13,27 +16,19 @@ fn series_columns() -> Vec<&'static str> {
     Measures::COLUMNS.iter().map(|column| column.name).filter(|name| *name != "time").collect()
 }
 
-/// The source `series`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Series;
+/// Keys of the source `series`.
+pub(super) const KEYS: &[Key] =
+    &[Key::new("column", Kind::Text, "A column of `series.csv`"), STATISTIC, WINDOW];
 
-impl MeasureSource for Series {
-    fn name(&self) -> &'static str {
-        "series"
+/// The quantity of a section.
+pub(super) fn read(section: &Section<'_>) -> Option<Box<dyn Quantity>> {
+    let (column, reduction) = (section.text("column"), Reduction::of_section(section));
+    let (column, known) = (column?, series_columns());
+    if !known.contains(&column.as_str()) {
+        section.fail("column", format!("no such column: {}", advice(&column, &known)));
+        return None;
     }
-
-    fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>> {
-        let column = section.required("column", "a column of series.csv");
-        let reduction = Reduction::of_section(section);
-        let column = column?;
-        let name = column.text()?;
-        let known = series_columns();
-        if !known.contains(&name.as_str()) {
-            column.fail(format!("no such column: {}", advice(&name, &known)));
-            return None;
-        }
-        Some(Box::new(ColumnStatistic { column: name, reduction: reduction? }))
-    }
+    Some(Box::new(ColumnStatistic { column, reduction: reduction? }))
 }
 
 /// One statistic of one column.
@@ -43,7 +38,7 @@ struct ColumnStatistic {
     reduction: Reduction,
 }
 
-impl Measure for ColumnStatistic {
+impl Quantity for ColumnStatistic {
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
         let path = results.join("series.csv");
         let table = SeriesTable::read(&path)?;

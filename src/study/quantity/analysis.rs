@@ -1,70 +1,69 @@
 //! A number or text that `talcum analyse` measures.
 
-use super::{Measure, MeasureSource, Measured, Value, Window, window_of};
+use super::window::{WINDOW, Window};
+use super::{Measured, Quantity, Value};
+use crate::input::{Section, advice};
 use crate::output::OutputError;
 use crate::post_processing::{self, Kind, Results, ScalarName, TimeWindow};
+use crate::schema::{self, Key};
 use crate::study::run_outline::RunOutline;
-use crate::study::section::{Section, advice};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// What was found on a run by one measure; runs are read once, however often a search asks for them.
+/// What was found on a run by one measure of `talcum analyse`; runs are read once, however often a search asks for them.
 type Found = HashMap<(PathBuf, &'static str, String), Rc<post_processing::Findings>>;
 
-/// The source `analysis`.
+/// Keys of the source `analysis`.
+pub(super) const KEYS: &[Key] = &[
+    Key::new(
+        "quantity",
+        schema::Kind::Text,
+        "What is measured, as `talcum analyse --list` names it: `waves.speed`, `bed.height`, ...",
+    ),
+    WINDOW,
+];
+
+/// Everything that `talcum analyse` measures, and what it has found.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Analysis {
+pub(super) struct Analysis {
     found: Rc<RefCell<Found>>,
 }
 
-impl MeasureSource for Analysis {
-    fn name(&self) -> &'static str {
-        "analysis"
-    }
-
-    fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>> {
-        let quantity = section
-            .required("quantity", "what talcum analyse measures: waves.speed, bed.height, ...");
-        let window = window_of(section);
-        let entry = quantity?;
-        let name = entry.text()?;
-        let Some(scalar) = post_processing::scalar_named(&name) else {
-            let names = self.names();
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            entry.fail(format!("no such quantity: {}", advice(&name, &names)));
-            return None;
-        };
-        Some(Box::new(Quantity { scalar, window: window?, found: Rc::clone(&self.found) }))
-    }
-
-    fn names(&self) -> Vec<String> {
-        post_processing::scalar_names()
-    }
-
-    fn named(&self, name: &str) -> Option<Box<dyn Measure>> {
-        self.over(name, Window::default())
-    }
-}
-
 impl Analysis {
-    /// The measure of one of its names over a window.
-    pub(super) fn over(&self, name: &str, window: Window) -> Option<Box<dyn Measure>> {
-        let scalar = post_processing::scalar_named(name)?;
-        Some(Box::new(Quantity { scalar, window, found: Rc::clone(&self.found) }))
+    /// The quantity of a section.
+    pub(super) fn read(&self, section: &Section<'_>) -> Option<Box<dyn Quantity>> {
+        let (name, window) = (section.text("quantity"), Window::of_section(section));
+        let quantity = self.over(&name?, window?);
+        quantity
+            .map_err(|advice| section.fail("quantity", format!("no such quantity: {advice}")))
+            .ok()
+    }
+
+    /// The quantity of a name over a window.
+    ///
+    /// # Errors
+    /// What to write instead, if it is none of its names.
+    pub(super) fn over(&self, name: &str, window: Window) -> Result<Box<dyn Quantity>, String> {
+        let Some(scalar) = post_processing::scalar_named(name) else {
+            let names = post_processing::scalar_names();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            return Err(advice(name, &names));
+        };
+        Ok(Box::new(Analysed { scalar, window, found: Rc::clone(&self.found) }))
     }
 }
 
-/// One quantity, over a window.
+/// One number or text, over a window.
 #[derive(Clone, Debug)]
-struct Quantity {
+struct Analysed {
     scalar: ScalarName,
     window: Window,
     found: Rc<RefCell<Found>>,
 }
 
-impl Quantity {
+impl Analysed {
     /// What its measure finds on a run.
     fn findings(&self, results: &Path) -> Result<Rc<post_processing::Findings>, OutputError> {
         let measure = self.scalar.measure;
@@ -81,7 +80,7 @@ impl Quantity {
     }
 }
 
-impl Measure for Quantity {
+impl Quantity for Analysed {
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
         let found = self.findings(results)?;
         let (value, unit) = found.value_of(&self.scalar);

@@ -1,7 +1,20 @@
 //! From the values of a run over time to one number: a statistic over a window.
 
-use super::{Window, window_of};
-use crate::study::section::Section;
+use super::window::Window;
+use crate::input::Section;
+use crate::schema::{Key, Word};
+
+/// The key `statistic`.
+pub(super) const STATISTIC: Key =
+    Key::word("statistic", STATISTICS, "What is made of the rows in the window");
+
+const STATISTICS: &[Word] = &[
+    Word::new("mean", "their arithmetic mean"),
+    Word::new("last", "the value in the last row"),
+    Word::new("max", "the largest value"),
+    Word::new("min", "the smallest value"),
+    Word::new("deviation", "their standard deviation, with n - 1"),
+];
 
 /// What is computed from the rows in the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,16 +79,9 @@ pub(crate) struct Reduction {
 impl Reduction {
     /// The reduction that the keys `statistic` and `window` of a section ask for; `None` if one is wrong, which has then been reported.
     pub(super) fn of_section(section: &Section<'_>) -> Option<Self> {
-        let statistic =
-            section.required("statistic", "\"mean\", \"last\", \"max\", \"min\" or \"deviation\"");
-        let window = window_of(section);
-        let entry = statistic?;
-        let Some(statistic) = Statistic::named(&entry.text()?) else {
-            let names = Statistic::NAMES.map(|(name, _)| name);
-            entry.fail(format!("must be one of {}", names.join(", ")));
-            return None;
-        };
-        Some(Self { statistic, window: window? })
+        let statistic = section.choice("statistic", &Statistic::NAMES);
+        let window = Window::of_section(section);
+        Some(Self { statistic: statistic?, window: window? })
     }
 
     /// The number, from times in ascending order with their values; `end` is the last time of the run.

@@ -1,29 +1,31 @@
 //! A number that the run measured itself, by a section `[measure.NAME]` of its case.
 
-use super::{Measure, MeasureSource, Measured, Reduction, Value};
+use super::reduction::{Reduction, STATISTIC};
+use super::window::WINDOW;
+use super::{Measured, Quantity, Value};
+use crate::input::{Section, advice};
 use crate::output::{MeasureResults, OutputError};
+use crate::schema::{Key, Kind};
 use crate::study::run_outline::RunOutline;
-use crate::study::section::{Section, advice};
 use std::path::Path;
 
-/// The source `case`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CaseMeasures;
+/// Keys of the source `case`.
+pub(super) const KEYS: &[Key] = &[
+    Key::new("measure", Kind::Text, "The NAME of a section `[measure.NAME]` of the case"),
+    Key::new(
+        "column",
+        Kind::Text,
+        "A number that this measure gives, one of `scalars` in its file",
+    ),
+    STATISTIC,
+    WINDOW,
+];
 
-impl MeasureSource for CaseMeasures {
-    fn name(&self) -> &'static str {
-        "case"
-    }
-
-    fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>> {
-        let measure =
-            section.required("measure", "the NAME of a section [measure.NAME] of the case");
-        let column =
-            section.required("column", "a number that this measure gives (docs/measures.md)");
-        let reduction = Reduction::of_section(section);
-        let (measure, column) = (measure?.text()?, column?.text()?);
-        Some(Box::new(ResultStatistic { measure, column, reduction: reduction? }))
-    }
+/// The quantity of a section.
+pub(super) fn read(section: &Section<'_>) -> Option<Box<dyn Quantity>> {
+    let reduction = Reduction::of_section(section);
+    let (measure, column) = (section.text("measure")?, section.text("column")?);
+    Some(Box::new(ResultStatistic { measure, column, reduction: reduction? }))
 }
 
 /// One statistic of one column of the table `results` of a measure.
@@ -41,7 +43,7 @@ impl ResultStatistic {
     }
 }
 
-impl Measure for ResultStatistic {
+impl Quantity for ResultStatistic {
     /// Rows that are not defined, such as the mean size of no agglomerates, do not count.
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
         let path = MeasureResults::file_of(&self.measure, results);
