@@ -14,7 +14,7 @@
 /// );
 /// ```
 ///
-/// The second works with registers of four numbers, [`F64x4`](super::F64x4). Its first type parameter is `Q: F64x4`,
+/// The second works with registers of four numbers, `F64x4`. Its first type parameter is `Q: F64x4`,
 /// which the macro fills in, so that callers do not name it:
 ///
 /// ```ignore
