@@ -28,11 +28,13 @@ pub enum Kind {
     Integer,
 }
 
-/// The unit of a quantity, in the units of a case.
+/// The unit of a number, in the units of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// No unit.
     One,
+    /// Time.
+    Time,
     /// Length.
     Length,
     /// Length over time.
@@ -41,16 +43,32 @@ pub enum Unit {
     Angle,
     /// Angle over time.
     AngularSpeed,
+    /// An angle that is printed, in degrees in both systems of units.
+    Degrees,
+    /// Cycles over time.
+    Frequency,
+    /// Events over time.
+    Rate,
+    /// Area, or squared length.
+    Area,
+    /// Volume.
+    Volume,
+    /// Squared velocity, such as a granular temperature.
+    SquaredSpeed,
+    /// Squared length over time.
+    Diffusivity,
     /// Mass.
     Mass,
+    /// Mass over area and time.
+    MassFlux,
     /// Force.
     Force,
     /// Force times length.
     Torque,
     /// Force over area.
     Pressure,
-    /// Volume.
-    Volume,
+    /// Energy.
+    Energy,
     /// A unit of this name in any case, such as `K`.
     Named(&'static str),
 }

@@ -3,59 +3,23 @@
 
 use super::observation::Observation;
 use super::{BedProfile, MomentumProbe, RunView};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
-
-/// Kind of a quantity, which determines its unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Time.
-    Time,
-    /// Length.
-    Length,
-    /// Velocity.
-    Speed,
-    /// Energy.
-    Energy,
-    /// Frequency, cycles per time.
-    Frequency,
-    /// Mass flux, mass per area and time.
-    MassFlux,
-    /// Mass.
-    Mass,
-    /// Volume.
-    Volume,
-    /// Area or squared length.
-    Area,
-    /// Force.
-    Force,
-    /// Pressure or stress.
-    Pressure,
-    /// Squared velocity, such as a granular temperature.
-    SquaredSpeed,
-    /// Diffusion coefficient, squared length over time.
-    Diffusivity,
-    /// Rate, per time.
-    Rate,
-    /// An angle that is printed, in degrees in both systems of units.
-    Degrees,
-    /// A number without a unit.
-    Number,
-}
 
 /// A column of the series.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Its name in the header.
     pub name: &'static str,
-    /// Kind of quantity.
-    pub quantity: Quantity,
+    /// Its unit.
+    pub unit: Unit,
     /// Its value in a row.
     pub value: fn(&Measures) -> f64,
 }
 
 /// Defines [`Measures`], its columns, and their computation from an [`Observation`], by one entry for each number.
 macro_rules! measures {
-    ($($(#[$meaning:meta])* $name:ident: $quantity:ident = $formula:expr;)*) => {
+    ($($(#[$meaning:meta])* $name:ident: $unit:ident = $formula:expr;)*) => {
         /// The state of the bed at one instant. "Over weight" means divided by the bed's weight at rest, M g.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct Measures {
@@ -66,7 +30,7 @@ macro_rules! measures {
             /// All numbers, in the order of the file.
             pub const COLUMNS: &[Column] = &[$(Column {
                 name: stringify!($name),
-                quantity: Quantity::$quantity,
+                unit: Unit::$unit,
                 value: |row| row.$name,
             },)*];
 
@@ -86,18 +50,18 @@ measures! {
     superficial_velocity: Speed = |it| it.gas.superficial_velocity;
     /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight; for a
     /// volume-averaged gas its mean pressure at the bottom less that at the top, without the hydrostatic head.
-    grid_pressure_drop: Number = |it| it.over_weight(it.pressure_force);
+    grid_pressure_drop: One = |it| it.over_weight(it.pressure_force);
     /// Pressure of the plenum from which a column gas comes, less that above the bed; 0 without a plenum.
     plenum_pressure: Pressure = |it| it.gas.plenum_pressure;
     /// Vertical gas force on all particles, over weight; for a column gas on a plate it is the pressure there less that
     /// above the bed.
-    gas_force: Number = |it| it.over_weight(it.gas_force);
+    gas_force: One = |it| it.over_weight(it.gas_force);
     /// Force on the base plate, downwards, over weight.
-    plate_stress: Number = |it| it.over_weight(it.plate_force);
+    plate_stress: One = |it| it.over_weight(it.plate_force);
     /// The bed's weight at rest, M g.
     weight: Force = |it| it.weight;
     /// g_eff / g.
-    effective_gravity: Number = |it| ratio(it.effective_gravity, it.gravity);
+    effective_gravity: One = |it| ratio(it.effective_gravity, it.gravity);
     /// Height of the centre of mass.
     centre_height: Length = |it| ratio(it.particles.moment, it.particles.mass);
     /// Vertical velocity of the centre of mass.
@@ -111,30 +75,30 @@ measures! {
     /// Kinetic energy of translation about the mean motion.
     fluctuating_kinetic_energy: Energy = |it| it.particles.energy - it.mean_energy;
     /// Mean number of touching particles per particle.
-    coordination_number: Number = |it| ratio(it.particles.neighbours, it.particles.count);
+    coordination_number: One = |it| ratio(it.particles.neighbours, it.particles.count);
     /// Largest component of d(momentum)/dt less the external forces, over the last step, over weight.
-    momentum_error: Number = |it| it.over_weight(it.momentum_imbalance);
+    momentum_error: One = |it| it.over_weight(it.momentum_imbalance);
     /// Volume of solids on the grid over that of the particles, less 1.
-    mass_error: Number = |it| {
+    mass_error: One = |it| {
         let volume = it.particles.volume;
         if volume > 0.0 { it.volume_on_grid / volume - 1.0 } else { 0.0 }
     };
     /// Number of particles.
-    particles: Number = |it| it.particles.count;
+    particles: One = |it| it.particles.count;
     /// Number of particles that have left.
-    departed: Number = |it| it.departed as f64;
+    departed: One = |it| it.departed as f64;
     /// Iterations of the pressure equation in the last step of a volume-averaged gas.
-    gas_iterations: Number = |it| it.gas.report.iterations as f64;
+    gas_iterations: One = |it| it.gas.report.iterations as f64;
     /// Courant number of that gas.
-    gas_courant: Number = |it| it.gas.report.courant;
+    gas_courant: One = |it| it.gas.report.courant;
     /// Number of cells whose voidage was below the smallest one in that step and was raised to it.
-    raised_cells: Number = |it| it.gas.report.raised_cells as f64;
+    raised_cells: One = |it| it.gas.report.raised_cells as f64;
     /// Largest component of the difference between the momentum gained by particles in that step and that lost by the
     /// gas, over weight.
-    exchange_error: Number = |it| it.over_weight(it.gas.report.momentum_error);
+    exchange_error: One = |it| it.over_weight(it.gas.report.momentum_error);
     /// Mean over the particles of xi, the ratio of the drag to that of the law, in that step, if it depends on their
     /// agglomerates; 0 otherwise.
-    drag_factor: Number = |it| ratio(it.particles.drag_factors, it.particles.count);
+    drag_factor: One = |it| ratio(it.particles.drag_factors, it.particles.count);
 }
 
 /// A number divided by another; 0 if the latter is 0.

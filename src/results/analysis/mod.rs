@@ -44,7 +44,7 @@ pub use coordination::Coordination;
 pub use digest::{Digest, StateRecords};
 pub use fractal_dimension::{MassRadius, PopulationFit};
 pub use line_fit::LineFit;
-pub use measures::{Column, Measures, Quantity, measure};
+pub use measures::{Column, Measures, measure};
 pub use momentum::MomentumProbe;
 pub use no_value::{Estimate, NoValue};
 pub use observation::RunView;

@@ -9,7 +9,8 @@ use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Needs, Setting};
 use crate::analysis::components::{Link, components};
-use crate::analysis::{Keyed, Quantity, send_to_rendezvous, totals, totals_by_key};
+use crate::analysis::{Keyed, send_to_rendezvous, totals, totals_by_key};
+use talcum_engine::fields::Unit;
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator, records_of_bytes};
 use talcum_engine::schema::{Allowed, Key, Kind, Value};
@@ -62,26 +63,26 @@ const NUMBERS: usize = 6;
 impl Measure for Looks {
     fn layout(&self) -> Layout {
         let results = [
-            ("clusters", Quantity::Number, "number of clusters"),
-            ("volume_fraction", Quantity::Number, "their part of the box"),
-            ("solids_part", Quantity::Number, "their part of the solids"),
-            ("largest", Quantity::Volume, "volume of the largest"),
-            ("mean_volume", Quantity::Volume, "mean volume"),
-            ("solids_fraction", Quantity::Number, "mean solids fraction in them"),
-            ("vertical_velocity", Quantity::Speed, "mean velocity upwards of the solids in them"),
-            ("velocity_outside", Quantity::Speed, "that of the solids outside"),
+            ("clusters", Unit::One, "number of clusters"),
+            ("volume_fraction", Unit::One, "their part of the box"),
+            ("solids_part", Unit::One, "their part of the solids"),
+            ("largest", Unit::Volume, "volume of the largest"),
+            ("mean_volume", Unit::Volume, "mean volume"),
+            ("solids_fraction", Unit::One, "mean solids fraction in them"),
+            ("vertical_velocity", Unit::Speed, "mean velocity upwards of the solids in them"),
+            ("velocity_outside", Unit::Speed, "that of the solids outside"),
         ];
         let single = [
-            ("label", Quantity::Number, "smallest number of its cells"),
-            ("cells", Quantity::Number, "its open volume in cells"),
-            ("volume", Quantity::Volume, "volume"),
-            ("solids_fraction", Quantity::Number, "mean solids fraction"),
-            ("height", Quantity::Length, "mean height of its solids"),
-            ("velocity_x", Quantity::Speed, "mean velocity of its solids"),
-            ("velocity_y", Quantity::Speed, "mean velocity of its solids"),
-            ("velocity_z", Quantity::Speed, "mean velocity of its solids"),
+            ("label", Unit::One, "smallest number of its cells"),
+            ("cells", Unit::One, "its open volume in cells"),
+            ("volume", Unit::Volume, "volume"),
+            ("solids_fraction", Unit::One, "mean solids fraction"),
+            ("height", Unit::Length, "mean height of its solids"),
+            ("velocity_x", Unit::Speed, "mean velocity of its solids"),
+            ("velocity_y", Unit::Speed, "mean velocity of its solids"),
+            ("velocity_z", Unit::Speed, "mean velocity of its solids"),
         ];
-        let column = |(name, quantity, meaning)| Column::scalar(name, quantity, meaning);
+        let column = |(name, unit, meaning)| Column::scalar(name, unit, meaning);
         let tables = vec![
             Table { name: "results", columns: results.map(column).to_vec() },
             Table { name: "clusters", columns: single.map(column).to_vec() },

@@ -9,9 +9,10 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{ContactLine, Findings, Measure, Needs, Setting};
-use crate::analysis::{Pair, Quantity, totals};
+use crate::analysis::{Pair, totals};
 use bytemuck::{Pod, Zeroable};
 use talcum_engine::contact::PairForce;
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 use talcum_engine::particle_sets::pair::ascending;
 use talcum_engine::schema::{Allowed, Key, Value};
@@ -81,11 +82,11 @@ impl RegisteredMeasure for Contacts {
 impl Measure for Followed {
     fn layout(&self) -> Layout {
         let columns = vec![
-            Column::scalar("contacts", Quantity::Number, "number of touching pairs"),
-            Column::scalar("mean_normal_force", Quantity::Force, "mean normal force of contacts"),
-            Column::scalar("largest_normal_force", Quantity::Force, "largest normal force"),
-            Column::scalar("mean_overlap", Quantity::Length, "mean overlap"),
-            Column::scalar("mean_age", Quantity::Time, "mean age of contacts"),
+            Column::scalar("contacts", Unit::One, "number of touching pairs"),
+            Column::scalar("mean_normal_force", Unit::Force, "mean normal force of contacts"),
+            Column::scalar("largest_normal_force", Unit::Force, "largest normal force"),
+            Column::scalar("mean_overlap", Unit::Length, "mean overlap"),
+            Column::scalar("mean_age", Unit::Time, "mean age of contacts"),
         ];
         let tables = vec![Table { name: "results", columns }];
         Layout { tables, lines: true, ..Layout::default() }

@@ -6,7 +6,8 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Setting};
-use crate::analysis::{Coordination as Distribution, Quantity};
+use crate::analysis::Coordination as Distribution;
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 use talcum_engine::schema::{Key, Kind, Value};
 
@@ -49,9 +50,9 @@ impl RegisteredMeasure for Coordination {
 
 impl Measure for Looks {
     fn layout(&self) -> Layout {
-        let number = Quantity::Number;
+        let number = Unit::One;
         let columns = vec![
-            Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
+            Column::scalar("from", Unit::Time, "time of the first sample that is averaged"),
             Column::scalar("looks", number, "number of samples that are averaged"),
             Column::scalar(
                 "coordination_number",

@@ -1,6 +1,6 @@
 //! Contents of the files of a measure: plain data, which the measure declares once.
 
-use crate::analysis::Quantity;
+use talcum_engine::fields::Unit;
 
 /// The files of a measure.
 #[derive(Clone, Debug, Default)]
@@ -51,26 +51,21 @@ pub struct Column {
     pub shape: Vec<usize>,
     /// The fixed arrays along which its first dimensions run, such as the heights.
     pub along: &'static [&'static str],
-    /// Kind of quantity, from which the unit follows.
-    pub quantity: Quantity,
+    /// Its unit.
+    pub unit: Unit,
     /// Its meaning.
     pub meaning: &'static str,
 }
 
 impl Column {
     /// A number in each row.
-    pub fn scalar(name: &'static str, quantity: Quantity, meaning: &'static str) -> Self {
-        Self { name, shape: Vec::new(), along: &[], quantity, meaning }
+    pub fn scalar(name: &'static str, unit: Unit, meaning: &'static str) -> Self {
+        Self { name, shape: Vec::new(), along: &[], unit, meaning }
     }
 
     /// An array of numbers in each row.
-    pub fn array(
-        name: &'static str,
-        shape: &[usize],
-        quantity: Quantity,
-        meaning: &'static str,
-    ) -> Self {
-        Self { name, shape: shape.to_vec(), along: &[], quantity, meaning }
+    pub fn array(name: &'static str, shape: &[usize], unit: Unit, meaning: &'static str) -> Self {
+        Self { name, shape: shape.to_vec(), along: &[], unit, meaning }
     }
 
     /// This column with its first dimensions along these fixed arrays.

@@ -9,11 +9,11 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Setting};
-use crate::analysis::Quantity::{self, Area, Diffusivity, Length, Number, Time};
 use crate::analysis::mixing::{
     Displacements, MeanDisplacement, Positioned, largest_secant, slope_between,
 };
 use crate::analysis::statistics::SampleMean;
+use talcum_engine::fields::Unit::{self, Area, Diffusivity, Length, One, Time};
 use talcum_engine::parallel::Communicator;
 use talcum_engine::schema::{Allowed, Key, Value, Word};
 use tracers::{TRACERS, TracerSettings, Tracers};
@@ -105,7 +105,7 @@ impl RegisteredMeasure for Mixing {
     }
 }
 
-const OF_LOOK: [(&str, Quantity, &str); 12] = [
+const OF_LOOK: [(&str, Unit, &str); 12] = [
     ("lag", Time, "time since the start of the window"),
     ("square_x", Area, "mean square displacement along x"),
     ("square_y", Area, "mean square displacement along y"),
@@ -113,15 +113,15 @@ const OF_LOOK: [(&str, Quantity, &str); 12] = [
     ("mean_x", Length, "mean displacement along x"),
     ("mean_y", Length, "mean displacement along y"),
     ("mean_z", Length, "mean displacement along z"),
-    ("particles", Number, "particles that have been there since the start of the window"),
-    ("lacey_index", Number, "Lacey index M: 0 segregated, 1 mixed at random"),
-    ("lacey_error", Number, "standard deviation of M for a random mixture"),
-    ("tracer_fraction", Number, "part of the tracers among the particles of the cells used"),
-    ("lacey_cells", Number, "cells with enough particles"),
+    ("particles", One, "particles that have been there since the start of the window"),
+    ("lacey_index", One, "Lacey index M: 0 segregated, 1 mixed at random"),
+    ("lacey_error", One, "standard deviation of M for a random mixture"),
+    ("tracer_fraction", One, "part of the tracers among the particles of the cells used"),
+    ("lacey_cells", One, "cells with enough particles"),
 ];
 
-const OF_WINDOW: [(&str, Quantity, &str); 15] = [
-    ("windows", Number, "number of windows so far"),
+const OF_WINDOW: [(&str, Unit, &str); 15] = [
+    ("windows", One, "number of windows so far"),
     ("fitted_x", Diffusivity, "D_sx of this window, slope of S^2 from `fit_from` on"),
     ("fitted_y", Diffusivity, "D_sy"),
     ("fitted_z", Diffusivity, "D_sz"),
@@ -138,8 +138,8 @@ const OF_WINDOW: [(&str, Quantity, &str); 15] = [
     ("fit_from", Time, "lag from which the line is fitted"),
 ];
 
-fn scalars(described: &[(&'static str, Quantity, &'static str)]) -> Vec<Column> {
-    let column = |&(name, quantity, meaning): &(_, _, _)| Column::scalar(name, quantity, meaning);
+fn scalars(described: &[(&'static str, Unit, &'static str)]) -> Vec<Column> {
+    let column = |&(name, unit, meaning): &(_, _, _)| Column::scalar(name, unit, meaning);
     described.iter().map(column).collect()
 }
 

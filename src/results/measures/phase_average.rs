@@ -8,8 +8,9 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Needs, Setting};
+use crate::analysis::Measures;
 use crate::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
-use crate::analysis::{Measures, Quantity};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 use talcum_engine::schema::{Allowed, Key, Kind, Value};
 
@@ -26,19 +27,19 @@ struct Averaged {
     error: &'static str,
     mean: &'static str,
     mean_error: &'static str,
-    quantity: Quantity,
+    unit: Unit,
     meaning: &'static str,
     of: fn(&Measures) -> f64,
 }
 
 macro_rules! averaged {
-    ($($name:literal $quantity:ident $meaning:literal $of:expr;)*) => {
+    ($($name:literal $unit:ident $meaning:literal $of:expr;)*) => {
         [$(Averaged {
             name: $name,
             error: concat!($name, "_error"),
             mean: concat!($name, "_mean"),
             mean_error: concat!($name, "_mean_error"),
-            quantity: Quantity::$quantity,
+            unit: Unit::$unit,
             meaning: $meaning,
             of: $of,
         }),*]
@@ -46,9 +47,9 @@ macro_rules! averaged {
 }
 
 const AVERAGED: [Averaged; 8] = averaged! {
-    "plate_stress" Number "force on the base plate over the bed's weight" |row| row.plate_stress;
-    "gas_force" Number "vertical gas force over the bed's weight" |row| row.gas_force;
-    "pressure_drop" Number "pressure drop times cross-section over the bed's weight" |row| row.grid_pressure_drop;
+    "plate_stress" One "force on the base plate over the bed's weight" |row| row.plate_stress;
+    "gas_force" One "vertical gas force over the bed's weight" |row| row.gas_force;
+    "pressure_drop" One "pressure drop times cross-section over the bed's weight" |row| row.grid_pressure_drop;
     "bed_bottom" Length "lift: height of the bed's bottom above the plate" |row| row.bed_bottom;
     "bed_top" Length "height of the bed's top above the plate" |row| row.bed_top;
     "centre_height" Length "height of the centre of mass above the plate" |row| row.centre_height;
@@ -157,25 +158,24 @@ impl Measure for Block {
     fn layout(&self) -> Layout {
         let bins = self.settings.options.bins;
         let mut columns = vec![
-            Column::scalar("first_cycle", Quantity::Number, "number of the first cycle"),
-            Column::scalar("cycles", Quantity::Number, "number of cycles that are averaged"),
+            Column::scalar("first_cycle", Unit::One, "number of the first cycle"),
+            Column::scalar("cycles", Unit::One, "number of cycles that are averaged"),
         ];
         for averaged in &AVERAGED {
-            let Averaged { mean, mean_error, quantity, meaning, .. } = *averaged;
-            columns.push(Column::scalar(mean, quantity, meaning));
+            let Averaged { mean, mean_error, unit, meaning, .. } = *averaged;
+            columns.push(Column::scalar(mean, unit, meaning));
             let meaning =
                 "standard error of the mean over the cycle, from the spread between cycles";
-            columns.push(Column::scalar(mean_error, quantity, meaning));
+            columns.push(Column::scalar(mean_error, unit, meaning));
         }
-        for Averaged { name, error, quantity, meaning, .. } in &AVERAGED {
+        for Averaged { name, error, unit, meaning, .. } in &AVERAGED {
             let array =
-                |name, meaning| Column::array(name, &[bins], *quantity, meaning).along(&["phase"]);
+                |name, meaning| Column::array(name, &[bins], *unit, meaning).along(&["phase"]);
             columns.push(array(name, meaning));
             columns
                 .push(array(error, "standard error of each bin, from the spread between cycles"));
         }
-        let phase =
-            Column::scalar("phase", Quantity::Number, "middle of each bin, part of a cycle");
+        let phase = Column::scalar("phase", Unit::One, "middle of each bin, part of a cycle");
         let values = (0..bins).map(|bin| bin as f64 / bins as f64).collect();
         let tables = vec![Table { name: "results", columns }];
         Layout { fixed: vec![Fixed { column: phase, values }], tables, ..Layout::default() }

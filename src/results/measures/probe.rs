@@ -17,10 +17,11 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Needs, Setting};
-use crate::analysis::{Periodicity, Quantity, totals};
+use crate::analysis::{Periodicity, totals};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use talcum_engine::domain::Bounds;
+use talcum_engine::fields::Unit;
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator};
 use talcum_engine::particles::sphere_volume;
@@ -75,27 +76,27 @@ struct Looks {
     average: Average,
 }
 
-type Described = (&'static str, Quantity, &'static str);
+type Described = (&'static str, Unit, &'static str);
 
 const AT_POINT: [Described; 9] = [
-    ("pressure", Quantity::Pressure, "pressure of the gas less its hydrostatic head"),
-    ("voidage", Quantity::Number, "voidage of the cell of the gas"),
-    ("gas_velocity_x", Quantity::Speed, "velocity of the gas"),
-    ("gas_velocity_y", Quantity::Speed, "velocity of the gas"),
-    ("gas_velocity_z", Quantity::Speed, "velocity of the gas"),
-    ("solids_fraction", Quantity::Number, "volume of the particles near over that of the sphere"),
-    ("solids_velocity_x", Quantity::Speed, "mean velocity of the particles near, by mass"),
-    ("solids_velocity_y", Quantity::Speed, "mean velocity of the particles near, by mass"),
-    ("solids_velocity_z", Quantity::Speed, "mean velocity of the particles near, by mass"),
+    ("pressure", Unit::Pressure, "pressure of the gas less its hydrostatic head"),
+    ("voidage", Unit::One, "voidage of the cell of the gas"),
+    ("gas_velocity_x", Unit::Speed, "velocity of the gas"),
+    ("gas_velocity_y", Unit::Speed, "velocity of the gas"),
+    ("gas_velocity_z", Unit::Speed, "velocity of the gas"),
+    ("solids_fraction", Unit::One, "volume of the particles near over that of the sphere"),
+    ("solids_velocity_x", Unit::Speed, "mean velocity of the particles near, by mass"),
+    ("solids_velocity_y", Unit::Speed, "mean velocity of the particles near, by mass"),
+    ("solids_velocity_z", Unit::Speed, "mean velocity of the particles near, by mass"),
 ];
 
 const AT_PLANE: [Described; 6] = [
-    ("pressure", Quantity::Pressure, "mean pressure of the gas less its hydrostatic head"),
-    ("voidage", Quantity::Number, "mean voidage of the cells of the gas at the plane"),
-    ("gas_flux", Quantity::Speed, "volume flux of the gas through the plane, per area"),
-    ("solids_fraction", Quantity::Number, "part of the plane that lies in particles"),
-    ("solids_flux", Quantity::Speed, "volume flux of the solids through the plane, per area"),
-    ("solids_velocity", Quantity::Speed, "flux over area fraction: mean velocity of the solids"),
+    ("pressure", Unit::Pressure, "mean pressure of the gas less its hydrostatic head"),
+    ("voidage", Unit::One, "mean voidage of the cells of the gas at the plane"),
+    ("gas_flux", Unit::Speed, "volume flux of the gas through the plane, per area"),
+    ("solids_fraction", Unit::One, "part of the plane that lies in particles"),
+    ("solids_flux", Unit::Speed, "volume flux of the solids through the plane, per area"),
+    ("solids_velocity", Unit::Speed, "flux over area fraction: mean velocity of the solids"),
 ];
 
 impl RegisteredMeasure for Probe {
@@ -150,16 +151,15 @@ impl Measure for Looks {
             Place::Plane { .. } => &AT_PLANE[..],
         };
         let mut columns = vec![
-            Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
-            Column::scalar("looks", Quantity::Number, "number of samples that are averaged"),
+            Column::scalar("from", Unit::Time, "time of the first sample that is averaged"),
+            Column::scalar("looks", Unit::One, "number of samples that are averaged"),
         ];
-        let column =
-            |&(name, quantity, meaning): &Described| Column::scalar(name, quantity, meaning);
+        let column = |&(name, unit, meaning): &Described| Column::scalar(name, unit, meaning);
         columns.extend(described.iter().map(column));
         let deviations = Column::array(
             "deviations",
             &[described.len()],
-            Quantity::Number,
+            Unit::One,
             "standard deviations between samples of the columns from pressure on, each in the column's unit",
         );
         columns.push(deviations);

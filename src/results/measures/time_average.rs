@@ -11,7 +11,8 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{CellValues, Findings, Measure, Needs, Setting};
-use crate::analysis::{Quantity, send_to_rendezvous, totals};
+use crate::analysis::{send_to_rendezvous, totals};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::{CellSample, Communicator};
 use talcum_engine::schema::{Key, Value, Word};
 
@@ -75,16 +76,16 @@ impl RegisteredMeasure for TimeAverage {
 /// The columns with which every row begins.
 fn head() -> Vec<Column> {
     vec![
-        Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
-        Column::scalar("looks", Quantity::Number, "number of samples that are averaged"),
+        Column::scalar("from", Unit::Time, "time of the first sample that is averaged"),
+        Column::scalar("looks", Unit::One, "number of samples that are averaged"),
         Column::scalar(
             "solids_fraction_mean",
-            Quantity::Number,
+            Unit::One,
             "mean solids fraction of all cells or nodes",
         ),
         Column::scalar(
             "solids_fraction_fluctuation",
-            Quantity::Number,
+            Unit::One,
             "root mean square over cells or nodes of the deviation of their solids fraction",
         ),
     ]
@@ -100,16 +101,15 @@ impl Measure for OverHeight {
     fn layout(&self) -> Layout {
         let nodes = &[self.heights.len()][..];
         let described = [
-            ("solids_fraction", Quantity::Number, "mean solids fraction"),
-            ("solids_velocity", Quantity::Speed, "mean vertical velocity of the solids"),
-            ("solids_fraction_deviation", Quantity::Number, "its standard deviation"),
-            ("solids_velocity_deviation", Quantity::Speed, "its standard deviation"),
+            ("solids_fraction", Unit::One, "mean solids fraction"),
+            ("solids_velocity", Unit::Speed, "mean vertical velocity of the solids"),
+            ("solids_fraction_deviation", Unit::One, "its standard deviation"),
+            ("solids_velocity_deviation", Unit::Speed, "its standard deviation"),
         ];
-        let array = |(name, quantity, meaning)| {
-            Column::array(name, nodes, quantity, meaning).along(&["height"])
-        };
+        let array =
+            |(name, unit, meaning)| Column::array(name, nodes, unit, meaning).along(&["height"]);
         let columns = head().into_iter().chain(described.map(array)).collect();
-        let heights = Column::scalar("height", Quantity::Length, "heights of the grid's nodes");
+        let heights = Column::scalar("height", Unit::Length, "heights of the grid's nodes");
         let fixed = vec![Fixed { column: heights, values: self.heights.clone() }];
         let tables = vec![Table { name: "results", columns }];
         Layout { fixed, tables, ..Layout::default() }
@@ -156,28 +156,17 @@ fn numbers_of(cell: &CellSample) -> [f64; NUMBERS] {
 }
 
 fn fields() -> Vec<Column> {
-    let field = |name, components: usize, quantity, meaning| {
-        Column::array(name, &[components], quantity, meaning)
-    };
+    let field =
+        |name, components: usize, unit, meaning| Column::array(name, &[components], unit, meaning);
     vec![
-        field(
-            "pressure",
-            1,
-            Quantity::Pressure,
-            "mean pressure of the gas less its hydrostatic head",
-        ),
-        field("velocity", 3, Quantity::Speed, "mean velocity of the gas"),
-        field("voidage", 1, Quantity::Number, "mean voidage"),
-        field("solids_velocity", 3, Quantity::Speed, "mean velocity of the solids"),
-        field("pressure_deviation", 1, Quantity::Pressure, "standard deviation of the pressure"),
-        field("velocity_deviation", 3, Quantity::Speed, "standard deviation of each component"),
-        field("voidage_deviation", 1, Quantity::Number, "standard deviation of the voidage"),
-        field(
-            "solids_velocity_deviation",
-            3,
-            Quantity::Speed,
-            "standard deviation of each component",
-        ),
+        field("pressure", 1, Unit::Pressure, "mean pressure of the gas less its hydrostatic head"),
+        field("velocity", 3, Unit::Speed, "mean velocity of the gas"),
+        field("voidage", 1, Unit::One, "mean voidage"),
+        field("solids_velocity", 3, Unit::Speed, "mean velocity of the solids"),
+        field("pressure_deviation", 1, Unit::Pressure, "standard deviation of the pressure"),
+        field("velocity_deviation", 3, Unit::Speed, "standard deviation of each component"),
+        field("voidage_deviation", 1, Unit::One, "standard deviation of the voidage"),
+        field("solids_velocity_deviation", 3, Unit::Speed, "standard deviation of each component"),
     ]
 }
 

@@ -10,41 +10,42 @@ use super::vtkhdf::{
 };
 use super::{ColumnUnits, Head, OutputError, SnapshotStorage};
 use crate::measures::ContactLine;
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::{Communicator, SortedRows, sort_by_id};
 
 const NUMBERS: [RecordColumn<ContactLine>; 5] = [
     RecordColumn {
         name: "CellData/normal_force",
         width: 1,
-        unit: |units| units.force,
+        unit: |units| units.of(Unit::Force),
         description: "normal force without van der Waals attraction, positive if it pushes the two apart",
         of: |line| from_ref(&line.normal_force),
     },
     RecordColumn {
         name: "CellData/cohesive_force",
         width: 1,
-        unit: |units| units.force,
+        unit: |units| units.of(Unit::Force),
         description: "magnitude of the van der Waals attraction",
         of: |line| from_ref(&line.cohesive_force),
     },
     RecordColumn {
         name: "CellData/tangential_force",
         width: 3,
-        unit: |units| units.force,
+        unit: |units| units.of(Unit::Force),
         description: "tangential force on the higher id",
         of: |line| &line.tangential_force,
     },
     RecordColumn {
         name: "CellData/overlap",
         width: 1,
-        unit: |units| units.length,
+        unit: |units| units.of(Unit::Length),
         description: "overlap of the surfaces",
         of: |line| from_ref(&line.overlap),
     },
     RecordColumn {
         name: "CellData/age",
         width: 1,
-        unit: |units| units.time,
+        unit: |units| units.of(Unit::Time),
         description: "time since the first of the samples at all of which the two have touched",
         of: |line| from_ref(&line.age),
     },
@@ -62,7 +63,7 @@ impl ContactLines {
         continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Writer::open(path, table(&head.units()), head, continue_after, ranks).map(Self)
+        Writer::open(path, table(head.units()), head, continue_after, ranks).map(Self)
     }
 
     /// Adds the lines of a time: all ranks' shares, in any order. Collective.
@@ -109,7 +110,7 @@ fn write_lines(
 }
 
 /// The file: two points for each line.
-fn table(units: &ColumnUnits) -> FileTable {
+fn table(units: ColumnUnits) -> FileTable {
     let whole = |name, description| Dataset::of_items(name, Numbers::Whole, 1, "1", description);
     let rows = |per_item, per_time, dataset| Dataset {
         fill: Fill::Rows { per_item, per_time },
@@ -131,12 +132,12 @@ fn table(units: &ColumnUnits) -> FileTable {
     };
     datasets.extend(index.index(&datasets));
     let centres = "centres: of the lower id, then of the higher";
-    let points = Dataset::of_items("Points", Numbers::Real, 3, units.length, centres);
+    let points = Dataset::of_items("Points", Numbers::Real, 3, units.of(Unit::Length), centres);
     datasets.extend([
         rows(2, 0, points),
         rows(2, 0, whole("Lines/Connectivity", "index of VTKHDF")),
         rows(1, 1, whole("Lines/Offsets", "index of VTKHDF")),
-        Dataset::times(units.time, "times"),
+        Dataset::times(units.of(Unit::Time), "times"),
     ]);
     FileTable {
         file_type: FileType::PolyData,

@@ -7,6 +7,7 @@ use std::slice::from_ref;
 
 use super::vtkhdf::{ImageCells, RecordColumn, Writer, image_table};
 use super::{Head, Output, OutputError, OutputKind, Sample, SnapshotStorage};
+use talcum_engine::fields::Unit;
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator, records_of_bytes, sort_by_id};
 
@@ -14,28 +15,28 @@ const FIELDS: [RecordColumn<CellSample>; 4] = [
     RecordColumn {
         name: "CellData/pressure",
         width: 1,
-        unit: |units| units.pressure,
+        unit: |units| units.of(Unit::Pressure),
         description: "pressure of the gas less its hydrostatic head",
         of: |cell| from_ref(&cell.pressure),
     },
     RecordColumn {
         name: "CellData/velocity",
         width: 3,
-        unit: |units| units.speed,
+        unit: |units| units.of(Unit::Speed),
         description: "velocity of the gas between the particles, mean of a cell's faces",
         of: |cell| &cell.velocity,
     },
     RecordColumn {
         name: "CellData/voidage",
         width: 1,
-        unit: |units| units.number,
+        unit: |units| units.of(Unit::One),
         description: "volume of gas per open volume; 0 in cells outside of a round column",
         of: |cell| from_ref(&cell.voidage),
     },
     RecordColumn {
         name: "CellData/solids_velocity",
         width: 3,
-        unit: |units| units.speed,
+        unit: |units| units.of(Unit::Speed),
         description: "mean velocity of the solids by volume; 0 where there are none",
         of: |cell| &cell.solids_velocity,
     },
@@ -75,8 +76,8 @@ impl GasSnapshots {
         let (spacing, counts) = (grid.spacing().into(), grid.counts());
         let cells = ImageCells { origin: [0.0; 3], spacing, counts };
         let units = head.units();
-        let fields = FIELDS.iter().map(|field| field.dataset(&units));
-        let table = image_table(cells, fields, storage, &units);
+        let fields = FIELDS.iter().map(|field| field.dataset(units));
+        let table = image_table(cells, fields, storage, units);
         Writer::open(path, table, head, continue_after, ranks).map(Self)
     }
 

@@ -11,8 +11,8 @@ use super::hdf5_file::{ScaledTable, SerialFile};
 use super::output_file::{Obstacle, continue_or_create, shared_rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{ColumnUnits, Head, MessageResult, OutputError, metadata_copy, on_root};
-use crate::analysis::Quantity;
 use crate::measures::{self, Column, Fixed, Layout, MeasurePlan, Table};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 
 /// Approximate size of a chunk of rows, in bytes.
@@ -194,15 +194,15 @@ fn make(path: &Path, plan: &MeasurePlan, layout: &Layout, head: Head<'_>) -> Mes
     for Fixed { column, values } in &layout.fixed {
         let path = format!("/{}", column.name);
         let rows = (values.len() / column.width().max(1)) as u64;
-        make_column(&file, &path, column, Rows::Fixed(rows), &units)?;
+        make_column(&file, &path, column, Rows::Fixed(rows), units)?;
         file.fill(&path, values)?;
     }
     for table in &layout.tables {
         file.make_group(&format!("/{}", table.name))?;
-        let time = Column::scalar("time", Quantity::Time, "time of the row");
+        let time = Column::scalar("time", Unit::Time, "time of the row");
         for column in table.columns.iter().chain([&time]) {
             let piece = (PIECE / (8 * column.width().max(1))).clamp(1, 256);
-            make_column(&file, &path_of(table, column.name), column, Rows::Growing(piece), &units)?;
+            make_column(&file, &path_of(table, column.name), column, Rows::Growing(piece), units)?;
         }
     }
     file.set_scales(&layout.tables.iter().flat_map(scaled_columns).collect::<Vec<_>>())?;
@@ -223,9 +223,9 @@ fn make_column(
     name: &str,
     column: &Column,
     rows: Rows,
-    units: &ColumnUnits,
+    units: ColumnUnits,
 ) -> MessageResult<()> {
-    let (unit, description) = (units.of(column.quantity), column.meaning);
+    let (unit, description) = (units.of(column.unit), column.meaning);
     file.make_blocks::<f64>(&TableHead { name, width: 1, unit, description }, &column.shape, rows)
 }
 

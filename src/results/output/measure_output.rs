@@ -95,11 +95,11 @@ impl ImageOutput {
         let Image { origin, spacing, counts, .. } = image;
         let units = head.units();
         let fields = image.fields.iter().map(|field| {
-            let (name, unit) = (format!("CellData/{}", field.name), units.of(field.quantity));
+            let (name, unit) = (format!("CellData/{}", field.name), units.of(field.unit));
             Dataset::of_items(name, Numbers::Real, field.width(), unit, field.meaning)
         });
         let cells = ImageCells { origin, spacing, counts };
-        let table = image_table(cells, fields, SnapshotStorage::default(), &units);
+        let table = image_table(cells, fields, SnapshotStorage::default(), units);
         let writer = Writer::open(path, table, head, continue_after, ranks)?;
         Ok(Self { writer, image })
     }

@@ -10,6 +10,7 @@ use super::vtkhdf::{
 use super::{
     ColumnUnits, Head, Output, OutputError, OutputKind, PointColumn, Sample, SnapshotFormat,
 };
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::{
     Communicator, ParticleRecord, Records, sort_by_id, sort_numbers_by_id,
 };
@@ -19,28 +20,28 @@ const NUMBERS: [RecordColumn<ParticleRecord>; 4] = [
     RecordColumn {
         name: "Points",
         width: 3,
-        unit: |units| units.length,
+        unit: |units| units.of(Unit::Length),
         description: "centres, of one time after another, sorted by id",
         of: |particle| &particle.position,
     },
     RecordColumn {
         name: "PointData/velocity",
         width: 3,
-        unit: |units| units.speed,
+        unit: |units| units.of(Unit::Speed),
         description: "velocities of the centres",
         of: |particle| &particle.velocity,
     },
     RecordColumn {
         name: "PointData/angular_velocity",
         width: 3,
-        unit: |units| units.angular_speed,
+        unit: |units| units.of(Unit::AngularSpeed),
         description: "angular velocities",
         of: |particle| &particle.angular_velocity,
     },
     RecordColumn {
         name: "PointData/radius",
         width: 1,
-        unit: |units| units.length,
+        unit: |units| units.of(Unit::Length),
         description: "radii",
         of: |particle| from_ref(&particle.radius),
     },
@@ -78,7 +79,7 @@ impl ParticleSnapshots {
         continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let writer = Writer::open(path, table(format, &head.units()), head, continue_after, ranks)?;
+        let writer = Writer::open(path, table(format, head.units()), head, continue_after, ranks)?;
         Ok(Self { format: format.clone(), writer })
     }
 
@@ -137,7 +138,7 @@ impl Output for ParticleSnapshots {
 }
 
 /// The file. Each snapshot has one cell, a vertex of all its particles, so that it is drawn by default.
-fn table(format: &SnapshotFormat, units: &ColumnUnits) -> FileTable {
+fn table(format: &SnapshotFormat, units: ColumnUnits) -> FileTable {
     let meaning = "global ids, ascending at each time";
     let ids = Dataset::of_items("PointData/id", Numbers::Whole, 1, "1", meaning);
     let further = |column: &PointColumn| {
@@ -167,7 +168,7 @@ fn table(format: &SnapshotFormat, units: &ColumnUnits) -> FileTable {
     let meaning = "points of the vertex of each snapshot: 0, 1, 2, ...";
     let points = Dataset::index("Vertices/Connectivity", &[], meaning);
     datasets.push(Dataset { fill: Fill::Counting, ..points });
-    datasets.push(Dataset::times(units.time, "times of the snapshots"));
+    datasets.push(Dataset::times(units.of(Unit::Time), "times of the snapshots"));
     FileTable {
         file_type: FileType::PolyData,
         data,

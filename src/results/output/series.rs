@@ -17,7 +17,7 @@ impl Series {
         OutputKind { file_name: "series.csv", needs_momentum_before: true, open: Self::open };
 
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
-        let format = format(&opening.head.units());
+        let format = format(opening.head.units());
         Ok(Some(Box::new(Self(TextTable::open(path, opening, &format, ranks)?))))
     }
 
@@ -30,7 +30,7 @@ impl Series {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Ok(Self(TextTable::create(path, head, &format(&head.units()), ranks)?))
+        Ok(Self(TextTable::create(path, head, &format(head.units()), ranks)?))
     }
 
     /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the file becomes
@@ -44,7 +44,7 @@ impl Series {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Ok(Self(TextTable::resume(path, time, head, &format(&head.units()), ranks)?))
+        Ok(Self(TextTable::resume(path, time, head, &format(head.units()), ranks)?))
     }
 
     /// Adds a row, which is in the file on return; that of rank 0 is written. Collective.
@@ -72,9 +72,9 @@ impl Output for Series {
     }
 }
 
-fn format(units: &ColumnUnits) -> TableFormat {
+fn format(units: ColumnUnits) -> TableFormat {
     let columns = Measures::COLUMNS.iter();
-    let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.quantity)));
+    let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.unit)));
     TableFormat { header: names.collect::<Vec<_>>().join(","), texts: &[] }
 }
 

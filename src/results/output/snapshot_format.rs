@@ -40,12 +40,12 @@ pub struct PointColumn {
 
 impl PointColumn {
     /// The column of a field of the particles.
-    pub fn of_field(field: &Field, units: &ColumnUnits) -> Self {
+    pub fn of_field(field: &Field, units: ColumnUnits) -> Self {
         Self {
             name: field.name,
             width: field.width(),
             is_whole: field.kind == Kind::Integer,
-            unit: units.of_unit(field.unit),
+            unit: units.of(field.unit),
             description: field.meaning,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::measuring::Measuring;
 use crate::case::{Case, ParticleField};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::{Communicator, ParticleRecord};
 use talcum_engine::particles::{AGGLOMERATE, AgglomerateOfParticle, Body};
 use talcum_results::analysis::RunView;
@@ -12,7 +13,7 @@ pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
     let plan = &case.output;
     let units = ColumnUnits::of_system(case.units.name());
     let mut columns: Vec<PointColumn> =
-        plan.particle_fields.iter().map(|&field| column_of(field, &units)).collect();
+        plan.particle_fields.iter().map(|&field| column_of(field, units)).collect();
     if plan.agglomerates.is_some() {
         let meaning = "smallest id of the particle's agglomerate as of the last sample; -1: none";
         columns.push(whole("agglomerate", meaning));
@@ -42,7 +43,7 @@ pub(super) fn values(
     columns
 }
 
-fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
+fn column_of(field: ParticleField, units: ColumnUnits) -> PointColumn {
     let number = |name, width, unit, description| PointColumn {
         name,
         width,
@@ -59,8 +60,12 @@ fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
         ParticleField::Mass => of_field("mass"),
         ParticleField::Class => whole("class", "number of the size class, from 0; -1: none"),
         ParticleField::Species => of_field("species"),
-        ParticleField::Force => number("force", 3, units.force, "all forces, gravity included"),
-        ParticleField::GasForce => number("gas_force", 3, units.force, "forces of the gas"),
+        ParticleField::Force => {
+            number("force", 3, units.of(Unit::Force), "all forces, gravity included")
+        }
+        ParticleField::GasForce => {
+            number("gas_force", 3, units.of(Unit::Force), "forces of the gas")
+        }
         ParticleField::Coordination => whole("coordination", "number of touching particles"),
         ParticleField::DragFactor => of_field("drag_factor"),
     }

@@ -2,8 +2,8 @@
 
 use crate::snapshots::{check_by_vtk, head, time};
 use std::path::Path;
-use talcum::analysis::Quantity;
 use talcum::case::Case;
+use talcum::fields::Unit;
 use talcum::measures::{
     CellValues, Column, ContactLine, Findings, Image, Layout, MeasurePlan, Table,
 };
@@ -40,7 +40,7 @@ fn lines(step: usize) -> Vec<ContactLine> {
 }
 
 fn table() -> Vec<Table> {
-    let column = Column::scalar("number", Quantity::Number, "a number");
+    let column = Column::scalar("number", Unit::One, "a number");
     vec![Table { name: "results", columns: vec![column] }]
 }
 
@@ -101,7 +101,7 @@ fn vtk_reads_fields_of_measures() {
     const COUNTS_OF_CELLS: [usize; 3] = [2, 3, 5];
     let folder = tempfile::tempdir().unwrap();
     let field = |name, components: usize| {
-        Column::array(name, &[components], Quantity::Number, "a field of a test")
+        Column::array(name, &[components], Unit::One, "a field of a test")
     };
     let image = Image {
         origin: [0.0; 3],

@@ -1,13 +1,14 @@
 //! Agglomerates: sets of particles held together by contacts that persist from one checkpoint to the next.
 
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::OneRank;
 use talcum_results::analysis::agglomerates::{
     Agglomerate, Agglomerates, MassWeightedMeans, ParticleSample, Search,
 };
 use talcum_results::analysis::breakage::{Changes, Look, RateCounts, RatesOfSize};
 use talcum_results::analysis::{
-    NoValue, Ownership, Pair, Periodicity, Persistence, PersistentContacts, PopulationFit, Quantity,
+    NoValue, Ownership, Pair, Periodicity, Persistence, PersistentContacts, PopulationFit,
 };
 use talcum_results::output::checkpoint::Checkpoint;
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
@@ -32,39 +33,35 @@ pub(super) const MEASURE: Measure = Measure {
     find,
 };
 
-const COUNT: Kind = Kind::number("count", Quantity::Number, "N_agg, number of agglomerates");
+const COUNT: Kind = Kind::number("count", Unit::One, "N_agg, number of agglomerates");
 const MASS_SHARE: Kind =
-    Kind::number("mass_share", Quantity::Number, "part of the bed's mass that is in agglomerates");
-const MEMBERS: Kind =
-    Kind::number("members", Quantity::Number, "number of members, weighted by mass");
-const DIAMETER: Kind = Kind::number(
-    "diameter",
-    Quantity::Length,
-    "d_agg, twice the radius of gyration, weighted by mass",
-);
+    Kind::number("mass_share", Unit::One, "part of the bed's mass that is in agglomerates");
+const MEMBERS: Kind = Kind::number("members", Unit::One, "number of members, weighted by mass");
+const DIAMETER: Kind =
+    Kind::number("diameter", Unit::Length, "d_agg, twice the radius of gyration, weighted by mass");
 const COORDINATION: Kind = Kind::number(
     "coordination_number",
-    Quantity::Number,
+    Unit::One,
     "C_N, touching neighbours of a member, weighted by mass",
 );
 const WITHIN: Kind = Kind::number(
     "coordination_within",
-    Quantity::Number,
+    Unit::One,
     "those of them that are members, weighted by mass",
 );
 const PACKING: Kind = Kind::number(
     "packing_fraction",
-    Quantity::Number,
+    Unit::One,
     "volume of the members over that of the sphere of gyration, weighted by mass",
 );
 const SINGLE_DIMENSION: Kind = Kind::number(
     "fractal_dimension",
-    Quantity::Number,
+    Unit::One,
     "ln n / ln(R / r) of single agglomerates, weighted by mass",
 );
 const DIMENSION: Kind = Kind::number(
     "fractal_dimension_fit",
-    Quantity::Number,
+    Unit::One,
     "from the growth of the radius with the number of members over all agglomerates",
 );
 
@@ -103,10 +100,10 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     add_means(&mut found, last);
     found.note(format!("contacts that touch at time {} and at time {}", last.since, last.time));
     found.tables = vec![
-        times_table(&all, &results.units()),
-        list_table(&last.agglomerates.found, &results.units()),
+        times_table(&all, results.units()),
+        list_table(&last.agglomerates.found, results.units()),
     ];
-    found.tables.extend(rates(&all).map(|rates| rates_table(&rates, &results.units())));
+    found.tables.extend(rates(&all).map(|rates| rates_table(&rates, results.units())));
     Ok(found)
 }
 
@@ -181,7 +178,7 @@ fn rates(all: &[AtTime]) -> Option<Vec<RatesOfSize>> {
     Some(counts.rates(interval, &OneRank))
 }
 
-fn times_table(all: &[AtTime], units: &ColumnUnits) -> ResultTable {
+fn times_table(all: &[AtTime], units: ColumnUnits) -> ResultTable {
     let means: Vec<Option<MassWeightedMeans>> =
         all.iter().map(|at| MassWeightedMeans::of(&at.agglomerates.found, &OneRank)).collect();
     let mean = |name: &str, unit: &str, about: &str, of: fn(&MassWeightedMeans) -> f64| {
@@ -192,20 +189,20 @@ fn times_table(all: &[AtTime], units: &ColumnUnits) -> ResultTable {
     let columns = vec![
         Column::numbers(
             "time",
-            units.time,
+            units.of(Unit::Time),
             "of the checkpoint",
             all.iter().map(|at| at.time).collect(),
         ),
         Column::numbers(
             "since",
-            units.time,
+            units.of(Unit::Time),
             "of the one before",
             all.iter().map(|at| at.since).collect(),
         ),
         Column::new("count", COUNT.meaning, Cells::Whole(counts)),
-        mean("mass", units.mass, "in agglomerates", |means| means.mass),
+        mean("mass", units.of(Unit::Mass), "in agglomerates", |means| means.mass),
         mean("members", "1", MEMBERS.meaning, |means| means.members),
-        mean("diameter", units.length, DIAMETER.meaning, |means| means.diameter),
+        mean("diameter", units.of(Unit::Length), DIAMETER.meaning, |means| means.diameter),
         mean("coordination_number", "1", COORDINATION.meaning, |means| means.coordination_number),
         mean("packing_fraction", "1", PACKING.meaning, |means| means.packing_fraction),
         mean("fractal_dimension", "1", SINGLE_DIMENSION.meaning, |means| means.fractal_dimension),
@@ -214,7 +211,7 @@ fn times_table(all: &[AtTime], units: &ColumnUnits) -> ResultTable {
 }
 
 /// A table of all agglomerates at the last time.
-fn list_table(found: &[Agglomerate], units: &ColumnUnits) -> ResultTable {
+fn list_table(found: &[Agglomerate], units: ColumnUnits) -> ResultTable {
     let numbers = |name: &str, unit: &str, about: &str, of: &dyn Fn(&Agglomerate) -> f64| {
         Column::numbers(name, unit, about, found.iter().map(of).collect())
     };
@@ -224,8 +221,13 @@ fn list_table(found: &[Agglomerate], units: &ColumnUnits) -> ResultTable {
     let mut columns = vec![
         whole("label", "smallest id of its members", |a| a.label),
         whole("members", "number of its members", |a| a.members),
-        numbers("mass", units.mass, "of its members", &|a| a.mass),
-        numbers("diameter", units.length, "twice the radius of gyration", &Agglomerate::diameter),
+        numbers("mass", units.of(Unit::Mass), "of its members", &|a| a.mass),
+        numbers(
+            "diameter",
+            units.of(Unit::Length),
+            "twice the radius of gyration",
+            &Agglomerate::diameter,
+        ),
         numbers("coordination_number", "1", "touching neighbours of a member", &|a| {
             a.coordination_number()
         }),
@@ -235,15 +237,17 @@ fn list_table(found: &[Agglomerate], units: &ColumnUnits) -> ResultTable {
         }),
     ];
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        columns.push(numbers(name, units.length, "centre of mass", &|a| a.centre[axis]));
+        columns.push(numbers(name, units.of(Unit::Length), "centre of mass", &|a| a.centre[axis]));
         let name = format!("velocity_{name}");
-        columns.push(numbers(&name, units.speed, "of the centre of mass", &|a| a.velocity[axis]));
+        columns.push(numbers(&name, units.of(Unit::Speed), "of the centre of mass", &|a| {
+            a.velocity[axis]
+        }));
     }
     ResultTable::new("agglomerates/list", columns)
 }
 
-fn rates_table(rates: &[RatesOfSize], units: &ColumnUnits) -> ResultTable {
-    let per_time = format!("1/({})", units.time);
+fn rates_table(rates: &[RatesOfSize], units: ColumnUnits) -> ResultTable {
+    let per_time = format!("1/({})", units.of(Unit::Time));
     let numbers = |name: &str, about: &str, of: fn(&RatesOfSize) -> f64| {
         let values = rates.iter().map(of).map(|x| if x.is_finite() { x } else { f64::NAN });
         Column::numbers(name, &per_time, about, values.collect())

@@ -2,11 +2,12 @@
 
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use talcum_engine::fields::Unit;
 use talcum_results::analysis::bed_height::{
     BedHeight, BedHeightOptions, Profile, bed_height, bulk_solids_fraction, expansion,
 };
 use talcum_results::analysis::statistics::{correlated_mean, moments};
-use talcum_results::analysis::{Estimate, NoValue, Quantity};
+use talcum_results::analysis::{Estimate, NoValue};
 use talcum_results::output::readers::ProfileTable;
 use talcum_results::output::{Column, ColumnUnits, ResultTable};
 
@@ -31,35 +32,32 @@ pub(super) const MEASURE: Measure = Measure {
 };
 
 const HEIGHT: Kind =
-    Kind::number("height", Quantity::Length, "height below which 95 % of the mass lie, over 0.95");
+    Kind::number("height", Unit::Length, "height below which 95 % of the mass lie, over 0.95");
 const BY_CENTRE: Kind =
-    Kind::number("height_by_centre", Quantity::Length, "twice the height of the centre of mass");
+    Kind::number("height_by_centre", Unit::Length, "twice the height of the centre of mass");
 const BY_THRESHOLD: Kind = Kind::number(
     "height_by_threshold",
-    Quantity::Length,
+    Unit::Length,
     "where the solids fraction falls through output.bed_threshold",
 );
 const BOTTOM: Kind =
-    Kind::number("bottom", Quantity::Length, "where the solids fraction rises through it");
+    Kind::number("bottom", Unit::Length, "where the solids fraction rises through it");
 const EXPANSION: Kind = Kind::number(
     "expansion",
-    Quantity::Number,
+    Unit::One,
     "bed.height over its least value of the whole run, less 1",
 );
 const SOLIDS_FRACTION: Kind = Kind::number(
     "solids_fraction",
-    Quantity::Number,
+    Unit::One,
     "of the bulk: without the layers at plate and surface",
 );
 const WEIGHT: Kind =
-    Kind::number("weight_per_area", Quantity::Pressure, "weight of the bed over the cross-section");
+    Kind::number("weight_per_area", Unit::Pressure, "weight of the bed over the cross-section");
 const PRESSURE_DROP: Kind =
-    Kind::number("pressure_drop", Quantity::Pressure, "mean pressure drop of the gas");
-const OVER_WEIGHT: Kind = Kind::number(
-    "pressure_drop_over_weight",
-    Quantity::Number,
-    "the same over the weight per area",
-);
+    Kind::number("pressure_drop", Unit::Pressure, "mean pressure drop of the gas");
+const OVER_WEIGHT: Kind =
+    Kind::number("pressure_drop_over_weight", Unit::One, "the same over the weight per area");
 
 /// Data from one profile.
 #[derive(Clone, Copy)]
@@ -101,7 +99,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     found.add(&EXPANSION, height.and_then(|height| expanded(height, least)));
     found.add(&SOLIDS_FRACTION, mean(&|shape| shape.bulk));
     add_weight_and_pressure_drop(&mut found, results)?;
-    found.tables.push(table(&times, &shown, &results.units()));
+    found.tables.push(table(&times, &shown, results.units()));
     if shown.len() < counted.len() {
         let without = counted.len() - shown.len();
         found.note(format!(
@@ -172,13 +170,13 @@ fn add_weight_and_pressure_drop(found: &mut Findings, results: &Results) -> Resu
     Ok(())
 }
 
-fn table(times: &[f64], shapes: &[Shape], units: &ColumnUnits) -> ResultTable {
+fn table(times: &[f64], shapes: &[Shape], units: ColumnUnits) -> ResultTable {
     let lengths = |name: &str, about: &str, of: &dyn Fn(&Shape) -> f64| {
-        Column::numbers(name, units.length, about, shapes.iter().map(of).collect())
+        Column::numbers(name, units.of(Unit::Length), about, shapes.iter().map(of).collect())
     };
     let bulk = shapes.iter().map(|shape| shape.bulk).collect();
     let columns = vec![
-        Column::numbers("time", units.time, "of the profile", times.to_vec()),
+        Column::numbers("time", units.of(Unit::Time), "of the profile", times.to_vec()),
         lengths("height", HEIGHT.meaning, &|shape| shape.by_mass),
         lengths("height_by_centre", BY_CENTRE.meaning, &|shape| shape.height.by_centre_of_mass),
         lengths("height_by_threshold", BY_THRESHOLD.meaning, &|shape| shape.height.by_threshold),

@@ -3,11 +3,12 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use std::f64::consts::PI;
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bubbles::{
     Bubble, BubbleOptions, Track, TrackingOptions, VoidageField, find_bubbles, track_bubbles,
 };
 use talcum_results::analysis::statistics::SampleMean;
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
 pub(super) const MEASURE: Measure = Measure {
@@ -18,16 +19,15 @@ pub(super) const MEASURE: Measure = Measure {
     find,
 };
 
-const COUNT: Kind = Kind::number("count", Quantity::Number, "mean number at a time");
+const COUNT: Kind = Kind::number("count", Unit::One, "mean number at a time");
 const DIAMETER: Kind = Kind::number(
     "diameter",
-    Quantity::Length,
+    Unit::Length,
     "mean over all bubbles, of the sphere (in a bed of one cell's depth the circle) of equal size",
 );
-const ASPECT: Kind =
-    Kind::number("aspect_ratio", Quantity::Number, "mean vertical over horizontal size");
+const ASPECT: Kind = Kind::number("aspect_ratio", Unit::One, "mean vertical over horizontal size");
 const RISE: Kind =
-    Kind::number("rise_velocity", Quantity::Speed, "mean of the bubbles that were followed");
+    Kind::number("rise_velocity", Unit::Speed, "mean of the bubbles that were followed");
 
 /// Largest factor by which a bubble's volume may change between two times: beyond it, the bubble has merged or split.
 const LARGEST_GROWTH: f64 = 2.0;
@@ -79,8 +79,8 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         track_bubbles(&snapshots.times, &frames, &options)
     });
     found.add(&RISE, rise(&tracks));
-    found.tables = vec![bubble_table(&seen, &results.units())];
-    found.tables.extend(tracks.ok().map(|tracks| track_table(&tracks, &results.units())));
+    found.tables = vec![bubble_table(&seen, results.units())];
+    found.tables.extend(tracks.ok().map(|tracks| track_table(&tracks, results.units())));
     found.note(
         "a bubble is followed to the nearest one within a mean diameter: it must not rise farther between two times"
             .to_owned(),
@@ -101,27 +101,30 @@ fn rise(tracks: &Result<Vec<Track>, NoValue>) -> Value {
     tracks.as_ref().map_err(Clone::clone).and_then(rises).into()
 }
 
-fn bubble_table(seen: &[Seen], units: &ColumnUnits) -> ResultTable {
+fn bubble_table(seen: &[Seen], units: ColumnUnits) -> ResultTable {
     let numbers = |name: &str, unit: &str, about: &str, of: &dyn Fn(&Seen) -> f64| {
         Column::numbers(name, unit, about, seen.iter().map(of).collect())
     };
     let place = |axis: usize| move |seen: &Seen| seen.bubble.centroid[axis];
     let encircles = seen.iter().map(|seen| u64::from(seen.bubble.encircles)).collect();
     let columns = vec![
-        numbers("time", units.time, "of the snapshot", &|seen| seen.time),
-        numbers("x", units.length, "centroid", &place(0)),
-        numbers("y", units.length, "centroid", &place(1)),
-        numbers("z", units.length, "centroid", &place(2)),
-        numbers("diameter", units.length, "of the sphere or circle of equal size", &|seen| {
-            seen.bubble.equivalent_diameter
-        }),
+        numbers("time", units.of(Unit::Time), "of the snapshot", &|seen| seen.time),
+        numbers("x", units.of(Unit::Length), "centroid", &place(0)),
+        numbers("y", units.of(Unit::Length), "centroid", &place(1)),
+        numbers("z", units.of(Unit::Length), "centroid", &place(2)),
+        numbers(
+            "diameter",
+            units.of(Unit::Length),
+            "of the sphere or circle of equal size",
+            &|seen| seen.bubble.equivalent_diameter,
+        ),
         numbers(
             "area",
-            units.area,
+            units.of(Unit::Area),
             "of the circle of that diameter: of the bubble in a flat bed",
             &|seen| 0.25 * PI * seen.bubble.equivalent_diameter.powi(2),
         ),
-        numbers("volume", units.volume, "of its cells", &|seen| seen.bubble.volume),
+        numbers("volume", units.of(Unit::Volume), "of its cells", &|seen| seen.bubble.volume),
         numbers("aspect_ratio", "1", "vertical over horizontal size", &|seen| {
             seen.bubble.aspect_ratio
         }),
@@ -130,7 +133,7 @@ fn bubble_table(seen: &[Seen], units: &ColumnUnits) -> ResultTable {
     ResultTable::new("bubbles/seen", columns)
 }
 
-fn track_table(tracks: &[Track], units: &ColumnUnits) -> ResultTable {
+fn track_table(tracks: &[Track], units: ColumnUnits) -> ResultTable {
     let numbers = |name: &str, unit: &str, about: &str, of: fn(&Track) -> f64| {
         Column::numbers(name, unit, about, tracks.iter().map(of).collect())
     };
@@ -140,14 +143,23 @@ fn track_table(tracks: &[Track], units: &ColumnUnits) -> ResultTable {
     let diameters = tracks.iter().map(|track| mean(track, |bubble| bubble.equivalent_diameter));
     let heights = tracks.iter().map(|track| mean(track, |bubble| bubble.centroid[2]));
     let columns = vec![
-        numbers("first_time", units.time, "at which it was seen", |track| track.times[0]),
-        numbers("last_time", units.time, "at which it was seen", |track| {
+        numbers("first_time", units.of(Unit::Time), "at which it was seen", |track| track.times[0]),
+        numbers("last_time", units.of(Unit::Time), "at which it was seen", |track| {
             track.times.last().copied().unwrap_or(f64::NAN)
         }),
-        Column::numbers("height", units.length, "mean over its times", heights.collect()),
-        Column::numbers("diameter", units.length, "mean over its times", diameters.collect()),
-        numbers("rise_velocity", units.speed, "slope of its height", |t| t.rise_velocity.value),
-        numbers("rise_error", units.speed, "its standard error", |t| t.rise_velocity.error),
+        Column::numbers("height", units.of(Unit::Length), "mean over its times", heights.collect()),
+        Column::numbers(
+            "diameter",
+            units.of(Unit::Length),
+            "mean over its times",
+            diameters.collect(),
+        ),
+        numbers("rise_velocity", units.of(Unit::Speed), "slope of its height", |t| {
+            t.rise_velocity.value
+        }),
+        numbers("rise_error", units.of(Unit::Speed), "its standard error", |t| {
+            t.rise_velocity.error
+        }),
     ];
     ResultTable::new("bubbles/tracks", columns)
 }

@@ -2,7 +2,8 @@
 
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
 use rustc_hash::FxHashMap;
-use talcum_results::analysis::{Coordination, NoValue, Quantity};
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::{Coordination, NoValue};
 use talcum_results::output::checkpoint::Checkpoint;
 use talcum_results::output::{Cells, Column, ResultTable};
 
@@ -15,9 +16,9 @@ pub(super) const MEASURE: Measure = Measure {
 };
 
 const MEAN: Kind =
-    Kind::number("mean", Quantity::Number, "mean number of touching particles of a particle");
+    Kind::number("mean", Unit::One, "mean number of touching particles of a particle");
 const ALONE: Kind =
-    Kind::number("rattlers", Quantity::Number, "part of the particles that touch no other");
+    Kind::number("rattlers", Unit::One, "part of the particles that touch no other");
 
 /// Number of neighbours from which particles are counted together: no more fit around a sphere of equal size.
 const MOST: usize = 12;
@@ -37,7 +38,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     found.add(&ALONE, last.fractions()[0]);
     let times = rows.iter().map(|(time, _)| *time).collect();
     let mut columns =
-        vec![Column::numbers("time", results.units().time, "of the checkpoint", times)];
+        vec![Column::numbers("time", results.units().of(Unit::Time), "of the checkpoint", times)];
     let means = rows.iter().map(|(_, found)| found.mean()).collect();
     columns.push(Column::numbers("mean", "1", MEAN.meaning, means));
     for neighbours in 0..=MOST {

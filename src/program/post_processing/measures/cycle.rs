@@ -2,8 +2,9 @@
 
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use talcum_engine::domain::Vibration;
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::{Column, ResultTable};
 use talcum_runs::case::{Case, Stage};
 
@@ -15,18 +16,18 @@ pub(super) const MEASURE: Measure = Measure {
     find,
 };
 
-const FREQUENCY: Kind = Kind::number("frequency", Quantity::Frequency, "of the plate");
-const CYCLES: Kind = Kind::number("cycles", Quantity::Number, "complete cycles that were averaged");
+const FREQUENCY: Kind = Kind::number("frequency", Unit::Frequency, "of the plate");
+const CYCLES: Kind = Kind::number("cycles", Unit::One, "complete cycles that were averaged");
 const PLATE_PEAK: Kind =
-    Kind::number("plate_stress_peak", Quantity::Number, "largest mean stress on the plate");
+    Kind::number("plate_stress_peak", Unit::One, "largest mean stress on the plate");
 const PLATE_PEAK_PHASE: Kind =
-    Kind::number("plate_stress_peak_phase", Quantity::Number, "at this part of the cycle");
+    Kind::number("plate_stress_peak_phase", Unit::One, "at this part of the cycle");
 const LIFT: Kind =
-    Kind::number("lift", Quantity::Length, "largest less smallest mean height of the bed's bottom");
+    Kind::number("lift", Unit::Length, "largest less smallest mean height of the bed's bottom");
 
 const FLOW_SWING: Kind = Kind::number(
     "flow_swing",
-    Quantity::Speed,
+    Unit::Speed,
     "largest less smallest mean superficial velocity: 0 if the gas is driven at a constant one",
 );
 

@@ -3,11 +3,12 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use std::f64::consts::PI;
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bed_height::{BedHeightOptions, Profile, bed_height};
 use talcum_results::analysis::residence::{
     Crossing, Gate, ResidenceTimes, SolidsFlux, residence_times, solids_flux,
 };
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
@@ -20,15 +21,15 @@ pub(super) const MEASURE: Measure = Measure {
 };
 
 const UP: Kind =
-    Kind::number("up", Quantity::MassFlux, "upwards, through the plane at half the bed's height");
-const NET: Kind = Kind::number("net", Quantity::MassFlux, "upwards less downwards, there");
+    Kind::number("up", Unit::MassFlux, "upwards, through the plane at half the bed's height");
+const NET: Kind = Kind::number("net", Unit::MassFlux, "upwards less downwards, there");
 const RESIDENCE: Kind = Kind::number(
     "residence_time",
-    Quantity::Time,
+    Unit::Time,
     "mean, from the plane at a quarter of the bed's height up to that at three quarters",
 );
 const PASSAGES: Kind =
-    Kind::number("passages", Quantity::Number, "number of such passages that are complete");
+    Kind::number("passages", Unit::One, "number of such passages that are complete");
 
 /// Heights of the planes, as fractions of the bed's height at the first snapshot.
 const PLANES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -67,9 +68,9 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     found.add(&RESIDENCE, residence.as_ref().map(|times| times.mean).map_err(Clone::clone));
     let passages = residence.as_ref().map(|times| Value::from(times.passages as f64));
     found.add(&PASSAGES, passages.map_err(Clone::clone));
-    found.tables.push(flux_table(&planes, &fluxes, &results.units()));
+    found.tables.push(flux_table(&planes, &fluxes, results.units()));
     if let Ok(times) = &residence {
-        found.tables.push(residence_table(times, &results.units()));
+        found.tables.push(residence_table(times, results.units()));
         found.note(format!(
             "{} particles went back through the entrance, {} were still inside at the end: unless they are few, the mean \
              residence time is too small",
@@ -134,17 +135,17 @@ fn time_of_passage(heights: [f64; 2], plane: f64, interval: [f64; 2]) -> Option<
     (below_before != below_after).then(|| interval[0] + part * (interval[1] - interval[0]))
 }
 
-fn flux_table(planes: &[f64], fluxes: &[SolidsFlux], units: &ColumnUnits) -> ResultTable {
+fn flux_table(planes: &[f64], fluxes: &[SolidsFlux], units: ColumnUnits) -> ResultTable {
     let flux = |name: &str, of: fn(&SolidsFlux) -> f64| {
         let values = fluxes.iter().map(of).collect();
-        Column::numbers(name, units.mass_flux, "of the solids through the plane", values)
+        Column::numbers(name, units.of(Unit::MassFlux), "of the solids through the plane", values)
     };
     let count = |name: &str, side: usize| {
         let counts = fluxes.iter().map(|flux| flux.crossings[side]).collect();
         Column::new(name, "number of crossings", Cells::Whole(counts))
     };
     let columns = vec![
-        Column::numbers("height", units.length, "of the plane", planes.to_vec()),
+        Column::numbers("height", units.of(Unit::Length), "of the plane", planes.to_vec()),
         flux("up", |flux| flux.up),
         flux("down", |flux| flux.down),
         flux("net", |flux| flux.net),
@@ -154,10 +155,10 @@ fn flux_table(planes: &[f64], fluxes: &[SolidsFlux], units: &ColumnUnits) -> Res
     ResultTable::new("flux/planes", columns)
 }
 
-fn residence_table(times: &ResidenceTimes, units: &ColumnUnits) -> ResultTable {
-    let per_time = format!("1/({})", units.time);
+fn residence_table(times: &ResidenceTimes, units: ColumnUnits) -> ResultTable {
+    let per_time = format!("1/({})", units.of(Unit::Time));
     let columns = vec![
-        Column::numbers("time", units.time, "lower end of the bin", times.times.clone()),
+        Column::numbers("time", units.of(Unit::Time), "lower end of the bin", times.times.clone()),
         Column::numbers(
             "density",
             &per_time,

@@ -2,6 +2,7 @@
 
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use talcum_engine::fields::Unit;
 use talcum_results::analysis::statistics::{CorrelatedMean, correlated_mean, moments};
 use talcum_results::analysis::{Estimate, Measures, NoValue};
 use talcum_results::output::{Cells, Column, ResultTable};
@@ -17,7 +18,7 @@ pub(super) const MEASURE: Measure = Measure {
 /// One kind for each column.
 fn kinds() -> impl Iterator<Item = Kind> {
     let columns = Measures::COLUMNS.iter().filter(|column| column.name != "time");
-    columns.map(|column| Kind::number(column.name, column.quantity, "mean of this column"))
+    columns.map(|column| Kind::number(column.name, column.unit, "mean of this column"))
 }
 
 /// Statistics of one column.
@@ -44,7 +45,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         found.add(&kind, Value::from(row.mean));
         rows.push(Row { unit: series.columns[place].1.clone(), ..row });
     }
-    found.tables.push(table(&rows, results.units().time));
+    found.tables.push(table(&rows, results.units().of(Unit::Time)));
     Ok(found)
 }
 

@@ -3,12 +3,13 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use std::f64::consts::PI;
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::OneRank;
 use talcum_results::analysis::mixing::{
     Dispersion, Displacements, LaceyIndex, MeanDisplacement, Positioned, Sample, lacey_index,
 };
 use talcum_results::analysis::statistics::{SampleMean, median};
-use talcum_results::analysis::{NoValue, Ownership, Periodicity, Quantity};
+use talcum_results::analysis::{NoValue, Ownership, Periodicity};
 use talcum_results::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use talcum_results::output::{Column, ColumnUnits, ResultTable};
 
@@ -30,22 +31,22 @@ const SECANT: [Kind; 3] = [secant("secant_x"), secant("secant_y"), secant("secan
 const fn fitted(name: &'static str) -> Kind {
     let meaning =
         "D: slope of half the mean square displacement, over the second half of each window";
-    Kind::number(name, Quantity::Diffusivity, meaning)
+    Kind::number(name, Unit::Diffusivity, meaning)
 }
 
 const fn secant(name: &'static str) -> Kind {
     let meaning = "D by the largest secant, as Liu et al. (2016) take it";
-    Kind::number(name, Quantity::Diffusivity, meaning)
+    Kind::number(name, Unit::Diffusivity, meaning)
 }
 
 const LACEY: Kind = Kind::number(
     "lacey",
-    Quantity::Number,
+    Unit::One,
     "Lacey index at the end, of the particles that were in the lower half of the bed at the start",
 );
 const LACEY_BY_SIZE: Kind = Kind::number(
     "lacey_by_size",
-    Quantity::Number,
+    Unit::One,
     "Lacey index at the end, of the particles no larger than the median, or smaller if none is larger",
 );
 
@@ -96,8 +97,8 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     found.add(&LACEY, last(|row| row.by_place));
     found.add(&LACEY_BY_SIZE, last(|row| row.by_size));
     found.tables = vec![
-        displacement_table(&paths.curve, &results.units()),
-        lacey_table(&indices, &results.units()),
+        displacement_table(&paths.curve, results.units()),
+        lacey_table(&indices, results.units()),
     ];
     found.note(format!(
         "{WINDOWS} windows of {:.4} each; cells of the Lacey index have edges of {:.4}",
@@ -258,10 +259,11 @@ impl MixingCells {
     }
 }
 
-fn displacement_table(curve: &[(f64, MeanDisplacement)], units: &ColumnUnits) -> ResultTable {
-    let area = format!("({})^2", units.length);
+fn displacement_table(curve: &[(f64, MeanDisplacement)], units: ColumnUnits) -> ResultTable {
+    let area = format!("({})^2", units.of(Unit::Length));
     let lags = curve.iter().map(|(lag, _)| *lag).collect();
-    let mut columns = vec![Column::numbers("lag", units.time, "since the first snapshot", lags)];
+    let mut columns =
+        vec![Column::numbers("lag", units.of(Unit::Time), "since the first snapshot", lags)];
     for (axis, name) in ["half_square_x", "half_square_y", "half_square_z"].into_iter().enumerate()
     {
         let values = curve.iter().map(|(_, mean)| mean.half_square()[axis]).collect();
@@ -270,14 +272,14 @@ fn displacement_table(curve: &[(f64, MeanDisplacement)], units: &ColumnUnits) ->
     ResultTable::new("mixing/displacements", columns)
 }
 
-fn lacey_table(rows: &[MixingRow], units: &ColumnUnits) -> ResultTable {
+fn lacey_table(rows: &[MixingRow], units: ColumnUnits) -> ResultTable {
     let index = |name: &str, about: &str, of: fn(&MixingRow) -> Option<LaceyIndex>| {
         let values = rows.iter().map(|row| of(row).map_or(f64::NAN, |found| found.index)).collect();
         Column::numbers(name, "1", about, values)
     };
     let times = rows.iter().map(|row| row.time).collect();
     let columns = vec![
-        Column::numbers("time", units.time, "of the snapshot", times),
+        Column::numbers("time", units.of(Unit::Time), "of the snapshot", times),
         index("lacey", "of what was below at the start", |row| row.by_place),
         index("lacey_by_size", "of the smaller particles", |row| row.by_size),
     ];

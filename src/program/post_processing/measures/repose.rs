@@ -3,8 +3,9 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
 use talcum_engine::domain::Face;
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::repose::{Grain, Plate, Surface};
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::readers::ParticleSnapshot;
 use talcum_results::output::{Column, ResultTable};
 use talcum_runs::case::Case;
@@ -22,10 +23,10 @@ pub(super) const MEASURE: Measure = Measure {
 
 const ANGLE: Kind = Kind::number(
     "angle",
-    Quantity::Degrees,
+    Unit::Degrees,
     "slope of the surface between eight and two tenths of the crest's height, mean of the sides",
 );
-const CREST: Kind = Kind::number("crest", Quantity::Length, "height of the highest column");
+const CREST: Kind = Kind::number("crest", Unit::Length, "height of the highest column");
 
 /// Side of the squares whose highest spheres form the surface, in largest diameters.
 const SIDE: f64 = 2.0;
@@ -53,7 +54,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let mut found = Findings::new(results.units());
     found.add(&ANGLE, surface.angle(open));
     found.add(&CREST, surface.crest());
-    let length = results.units().length;
+    let length = results.units().of(Unit::Length);
     let places = (0..surface.heights.len()).map(|column| surface.place(column)).collect();
     found.tables.push(ResultTable::new(
         "repose/surface",

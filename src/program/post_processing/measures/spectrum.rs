@@ -2,9 +2,10 @@
 
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::spectrum::{PowerSpectrum, welch};
 use talcum_results::analysis::statistics::moments;
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::{Column, ResultTable};
 
 pub(super) const MEASURE: Measure = Measure {
@@ -26,11 +27,7 @@ const COLUMNS: [Kind; 7] = [
 ];
 
 const fn of(column: &'static str) -> Kind {
-    Kind::number(
-        column,
-        Quantity::Frequency,
-        "frequency of the highest peak of this column's spectrum",
-    )
+    Kind::number(column, Unit::Frequency, "frequency of the highest peak of this column's spectrum")
 }
 
 /// Number of quarters of the series: a spectrum is the mean over seven segments of a quarter each, which overlap by
@@ -55,7 +52,12 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         found.add(&kind, peak.map(|peak| peak.frequency));
         if let Ok(spectrum) = spectrum {
             let unit = series.position(kind.name).map_or("", |place| &series.columns[place].1);
-            found.tables.push(table(kind.name, &spectrum, unit, results.units().angular_speed));
+            found.tables.push(table(
+                kind.name,
+                &spectrum,
+                unit,
+                results.units().of(Unit::AngularSpeed),
+            ));
         }
     }
     found.note(format!(

@@ -2,11 +2,12 @@
 
 use crate::post_processing::evenly_spaced::nearest;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bed_height::{BedHeightOptions, Profile, bulk_solids_fraction};
 use talcum_results::analysis::minimum_fluidisation::{
     Branch, Fit, Ramp, Series, minimum_fluidisation, ratio_to_balance,
 };
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::{Column, ColumnUnits, ResultTable};
 use talcum_runs::case::{Case, Stage};
 
@@ -23,13 +24,13 @@ pub(super) const MEASURE: Measure = Measure {
 
 const U_MF: Kind = Kind::number(
     "",
-    Quantity::Speed,
+    Unit::Speed,
     "U_mf of the ramp up, or of the ramp down if that one alone gives it",
 );
-const HYSTERESIS: Kind = Kind::number("hysteresis", Quantity::Speed, "U_mf up less U_mf down");
+const HYSTERESIS: Kind = Kind::number("hysteresis", Unit::Speed, "U_mf up less U_mf down");
 const DROP_HYSTERESIS: Kind = Kind::number(
     "drop_hysteresis",
-    Quantity::Number,
+    Unit::One,
     "largest difference of the pressure drops, up less down, over the weight, below both U_mf",
 );
 
@@ -51,30 +52,30 @@ macro_rules! ramp {
         RampKinds {
             table: concat!("u_mf/", $way),
             fit_table: concat!("u_mf/fit_", $way),
-            velocity: Kind::number($way, Quantity::Speed, concat!("U_mf of the ramp ", $way)),
+            velocity: Kind::number($way, Unit::Speed, concat!("U_mf of the ramp ", $way)),
             plateau: Kind::number(
                 concat!($way, "_plateau"),
-                Quantity::Number,
+                Unit::One,
                 "pressure drop of the fluidised bed over the weight",
             ),
             overshoot: Kind::number(
                 concat!($way, "_overshoot"),
-                Quantity::Number,
+                Unit::One,
                 "highest pressure drop less the plateau, over the weight",
             ),
             solids_fraction: Kind::number(
                 concat!($way, "_solids_fraction"),
-                Quantity::Number,
+                Unit::One,
                 "of the bulk of the packed bed, where its pressure drop is fitted",
             ),
             balance: Kind::number(
                 concat!($way, "_balance"),
-                Quantity::Speed,
+                Unit::Speed,
                 "U_mf of the force balance by the case's drag law at that solids fraction",
             ),
             ratio: Kind::number(
                 concat!($way, "_ratio"),
-                Quantity::Number,
+                Unit::One,
                 "U_mf over that of the force balance",
             ),
         }
@@ -120,10 +121,10 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     for (kinds, ramp, fit) in [(&UP, &ramps.up, &up), (&DOWN, &ramps.down, &down)] {
         add_ramp(&mut found, kinds, fit, results);
         if let Ok(Ramp { branch, .. }) = ramp {
-            found.tables.push(points(kinds, branch, &results.units()));
+            found.tables.push(points(kinds, branch, results.units()));
         }
         if let Ok(fit) = fit {
-            found.tables.push(fit_table(kinds, fit, &results.units()));
+            found.tables.push(fit_table(kinds, fit, results.units()));
         }
     }
     found.add(&HYSTERESIS, ramps.hysteresis.clone().map(|both| both.velocity));
@@ -199,14 +200,19 @@ fn gas_stage(results: &Results) -> Result<(&Case, &Stage), NoValue> {
     Ok((case, with_gas.last().ok_or_else(no_balance)?))
 }
 
-fn points(kinds: &RampKinds, branch: &Branch, units: &ColumnUnits) -> ResultTable {
+fn points(kinds: &RampKinds, branch: &Branch, units: ColumnUnits) -> ResultTable {
     let velocities = branch.velocities.clone();
     let mut columns = vec![
-        Column::numbers("superficial_velocity", units.speed, "of the gas", velocities),
+        Column::numbers("superficial_velocity", units.of(Unit::Speed), "of the gas", velocities),
         Column::numbers("pressure_drop", "1", "over the weight", branch.pressure_drops.clone()),
     ];
     columns.extend(branch.bed_heights.clone().map(|heights| {
-        Column::numbers("bed_height", units.length, "twice that of the centre of mass", heights)
+        Column::numbers(
+            "bed_height",
+            units.of(Unit::Length),
+            "twice that of the centre of mass",
+            heights,
+        )
     }));
     columns.extend(
         branch
@@ -218,20 +224,20 @@ fn points(kinds: &RampKinds, branch: &Branch, units: &ColumnUnits) -> ResultTabl
 }
 
 /// A table for plotting the fit: dp = linear U + quadratic U^2 up to U_mf, and the plateau beyond.
-fn fit_table(kinds: &RampKinds, fit: &Fit, units: &ColumnUnits) -> ResultTable {
+fn fit_table(kinds: &RampKinds, fit: &Fit, units: ColumnUnits) -> ResultTable {
     let one = |name: &str, unit: &str, about: &str, value: f64| {
         Column::numbers(name, unit, about, vec![value])
     };
-    let per_speed = format!("1/({})", units.speed);
+    let per_speed = format!("1/({})", units.of(Unit::Speed));
     let columns = vec![
-        one("velocity", units.speed, "U_mf", fit.velocity.value),
-        one("velocity_error", units.speed, "its standard error", fit.velocity.error),
+        one("velocity", units.of(Unit::Speed), "U_mf", fit.velocity.value),
+        one("velocity_error", units.of(Unit::Speed), "its standard error", fit.velocity.error),
         one("linear", &per_speed, "a of dp = a U + b U^2, over the weight", fit.linear),
         one("quadratic", &format!("{per_speed}^2"), "b, likewise", fit.quadratic),
         one("determination", "1", "R^2 of the packed bed's points", fit.determination),
         one("plateau", "1", "over the weight", fit.plateau.value),
         one("peak", "1", "highest pressure drop over the weight", fit.peak),
-        one("peak_velocity", units.speed, "of that peak", fit.peak_velocity),
+        one("peak_velocity", units.of(Unit::Speed), "of that peak", fit.peak_velocity),
     ];
     ResultTable::new(kinds.fit_table, columns)
 }

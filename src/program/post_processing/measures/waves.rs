@@ -3,11 +3,12 @@
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::NoValue;
 use talcum_results::analysis::waves::{
     BedState, Cell, Front, SolidsFractionField, State, StateShares, WaveMap, WaveOptions, Waves,
     map_waves,
 };
-use talcum_results::analysis::{NoValue, Quantity};
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
 pub(super) const MEASURE: Measure = Measure {
@@ -40,42 +41,42 @@ pub(super) const MEASURE: Measure = Measure {
 const STATES: [&str; 6] =
     ["waves", "waves_in_part", "intermittent", "frozen", "rising_plug", "disordered"];
 const STATE: Kind = Kind::text("state", &STATES, "what the bed does as a whole");
-const SPEED: Kind = Kind::number("speed", Quantity::Speed, "of the waves, positive if they rise");
-const PERIOD: Kind = Kind::number("period", Quantity::Time, "time after which the pattern repeats");
-const WAVELENGTH: Kind = Kind::number("wavelength", Quantity::Length, "speed times period");
+const SPEED: Kind = Kind::number("speed", Unit::Speed, "of the waves, positive if they rise");
+const PERIOD: Kind = Kind::number("period", Unit::Time, "time after which the pattern repeats");
+const WAVELENGTH: Kind = Kind::number("wavelength", Unit::Length, "speed times period");
 const AMPLITUDE: Kind = Kind::number(
     "amplitude",
-    Quantity::Number,
+    Unit::One,
     "of the sine that has the variance of the travelling pattern",
 );
 const LOWEST: Kind =
-    Kind::number("lowest", Quantity::Number, "1 % of the solids fractions in the waves are below");
+    Kind::number("lowest", Unit::One, "1 % of the solids fractions in the waves are below");
 const HIGHEST: Kind =
-    Kind::number("highest", Quantity::Number, "99 % of the solids fractions there are below");
-const VOID_SPEED: Kind = Kind::number("void_speed", Quantity::Speed, "of voids that were followed");
+    Kind::number("highest", Unit::One, "99 % of the solids fractions there are below");
+const VOID_SPEED: Kind = Kind::number("void_speed", Unit::Speed, "of voids that were followed");
 const VOID_SPACING: Kind =
-    Kind::number("void_spacing", Quantity::Length, "distance between neighbouring voids");
+    Kind::number("void_spacing", Unit::Length, "distance between neighbouring voids");
 const FRONT_SPEED: Kind = Kind::number(
     "front_speed",
-    Quantity::Speed,
+    Unit::Speed,
     "of the front between waves and still bed, negative if it descends",
 );
 const RISE: Kind =
-    Kind::number("plug_speed", Quantity::Speed, "mean velocity of the material in rising plugs");
+    Kind::number("plug_speed", Unit::Speed, "mean velocity of the material in rising plugs");
 const SHARE: Kind = Kind::number(
     "share",
-    Quantity::Number,
+    Unit::One,
     "part of the bed's heights and times with waves, all over or here and there",
 );
 const SWEPT: Kind = Kind::number(
     "swept_share",
-    Quantity::Number,
+    Unit::One,
     "part of the bed's material that waves sweep in the record, periodic or not",
 );
-const FROZEN: Kind = Kind::number("frozen_share", Quantity::Number, "part that stands still");
-const PLUG: Kind = Kind::number("plug_share", Quantity::Number, "part that rises as a plug");
+const FROZEN: Kind = Kind::number("frozen_share", Unit::One, "part that stands still");
+const PLUG: Kind = Kind::number("plug_share", Unit::One, "part that rises as a plug");
 const DISORDERED: Kind =
-    Kind::number("disordered_share", Quantity::Number, "part that moves without waves");
+    Kind::number("disordered_share", Unit::One, "part that moves without waves");
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let profiles = results.profiles()?;
@@ -100,16 +101,19 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     add_shares(&mut found, &map);
     found.note(format!(
         "windows of {:.4} {} and {:.4} {}",
-        map.window_height, units.length, map.window_duration, units.time
+        map.window_height,
+        units.of(Unit::Length),
+        map.window_duration,
+        units.of(Unit::Time)
     ));
-    found.notes.extend(where_and_when(&map, &units));
+    found.notes.extend(where_and_when(&map, units));
     if let Some(frequency) = vibration_frequency {
         found.note(format!(
             "the swing of the bed on its plate, {frequency:.6} per time, was taken out"
         ));
     }
-    found.tables = vec![windows(&map, &units), heights_table(&map, &units), times(&map, &units)];
-    found.tables.extend(map.front.as_ref().ok().map(|front| front_table(front, &units)));
+    found.tables = vec![windows(&map, units), heights_table(&map, units), times(&map, units)];
+    found.tables.extend(map.front.as_ref().ok().map(|front| front_table(front, units)));
     Ok(found)
 }
 
@@ -157,7 +161,7 @@ fn add_shares(found: &mut Findings, map: &WaveMap) {
 
 /// Range of heights with waves for at least half of the time, and range of times with waves in at least half of the
 /// bed.
-fn where_and_when(map: &WaveMap, units: &ColumnUnits) -> [String; 2] {
+fn where_and_when(map: &WaveMap, units: ColumnUnits) -> [String; 2] {
     let ends = |mut places: Vec<f64>| {
         places.sort_by(f64::total_cmp);
         Some([*places.first()?, *places.last()?])
@@ -166,11 +170,15 @@ fn where_and_when(map: &WaveMap, units: &ColumnUnits) -> [String; 2] {
     let in_half = |shares: &StateShares| shares.waves + shares.intermittent >= 0.5;
     let times = map.times.iter().filter(|time| in_half(&time.shares));
     let heights = match ends(heights.map(|height| height.height).collect()) {
-        Some([low, high]) => format!("at heights from {low:.4} to {high:.4} {}", units.length),
+        Some([low, high]) => {
+            format!("at heights from {low:.4} to {high:.4} {}", units.of(Unit::Length))
+        }
         None => "at no height".to_owned(),
     };
     let times = match ends(times.map(|time| time.time).collect()) {
-        Some([first, last]) => format!("at times from {first:.4} to {last:.4} {}", units.time),
+        Some([first, last]) => {
+            format!("at times from {first:.4} to {last:.4} {}", units.of(Unit::Time))
+        }
         None => "at no time".to_owned(),
     };
     [
@@ -192,7 +200,7 @@ fn name_of(state: BedState) -> &'static str {
 }
 
 /// A table of the windows that the bed fills.
-fn windows(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
+fn windows(map: &WaveMap, units: ColumnUnits) -> ResultTable {
     let filled: Vec<_> = map.cells.iter().filter(|cell| cell.state != State::Empty).collect();
     let numbers = |name: &str, unit: &str, about: &str, of: &dyn Fn(&Cell) -> f64| {
         Column::numbers(name, unit, about, filled.iter().map(|cell| of(cell)).collect())
@@ -208,15 +216,25 @@ fn windows(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
     let states = filled.iter().map(|cell| state(cell.state).to_owned()).collect();
     let size = |length: f64| vec![length; filled.len()];
     let columns = vec![
-        numbers("height", units.length, "of the window's middle", &|cell| cell.height),
-        numbers("time", units.time, "of the window's middle", &|cell| cell.time),
-        Column::numbers("window_height", units.length, "its height", size(map.window_height)),
-        Column::numbers("window_duration", units.time, "its duration", size(map.window_duration)),
+        numbers("height", units.of(Unit::Length), "of the window's middle", &|cell| cell.height),
+        numbers("time", units.of(Unit::Time), "of the window's middle", &|cell| cell.time),
+        Column::numbers(
+            "window_height",
+            units.of(Unit::Length),
+            "its height",
+            size(map.window_height),
+        ),
+        Column::numbers(
+            "window_duration",
+            units.of(Unit::Time),
+            "its duration",
+            size(map.window_duration),
+        ),
         Column::new("state", "what the bed does there", Cells::Text(states)),
-        numbers("speed", units.speed, "of the pattern, if one travels", &|cell| {
+        numbers("speed", units.of(Unit::Speed), "of the pattern, if one travels", &|cell| {
             cell.speed.unwrap_or(f64::NAN)
         }),
-        numbers("material_velocity", units.speed, "from the balance of mass", &|cell| {
+        numbers("material_velocity", units.of(Unit::Speed), "from the balance of mass", &|cell| {
             cell.material_velocity.value
         }),
         numbers("deviation", "1", "standard deviation over time", &|cell| cell.deviation),
@@ -234,26 +252,26 @@ fn windows(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
     ResultTable::new("waves/windows", columns)
 }
 
-fn heights_table(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
+fn heights_table(map: &WaveMap, units: ColumnUnits) -> ResultTable {
     let heights = map.heights.iter().map(|height| height.height).collect();
     let shares = map.heights.iter().map(|height| height.waves_share).collect();
     let changes = map.heights.iter().map(|height| height.changes as u64).collect();
     let columns = vec![
-        Column::numbers("height", units.length, "of the windows' middle", heights),
+        Column::numbers("height", units.of(Unit::Length), "of the windows' middle", heights),
         Column::numbers("waves_share", "1", "part of the time with waves", shares),
         Column::new("changes", "how often waves began or ended", Cells::Whole(changes)),
     ];
     ResultTable::new("waves/heights", columns)
 }
 
-fn times(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
+fn times(map: &WaveMap, units: ColumnUnits) -> ResultTable {
     let times = map.times.iter().map(|time| time.time).collect();
     let share = |name: &str, of: fn(&StateShares) -> f64| {
         let values = map.times.iter().map(|time| of(&time.shares)).collect();
         Column::numbers(name, "1", "part of the bed in this state", values)
     };
     let columns = vec![
-        Column::numbers("time", units.time, "of the windows' middle", times),
+        Column::numbers("time", units.of(Unit::Time), "of the windows' middle", times),
         share("waves", |shares| shares.waves),
         share("intermittent", |shares| shares.intermittent),
         share("frozen", |shares| shares.frozen),
@@ -263,11 +281,16 @@ fn times(map: &WaveMap, units: &ColumnUnits) -> ResultTable {
     ResultTable::new("waves/times", columns)
 }
 
-fn front_table(front: &Front, units: &ColumnUnits) -> ResultTable {
+fn front_table(front: &Front, units: ColumnUnits) -> ResultTable {
     let below = vec![u64::from(front.waves_below); front.times.len()];
     let columns = vec![
-        Column::numbers("time", units.time, "at which a height parts the bed", front.times.clone()),
-        Column::numbers("height", units.length, "of the front", front.heights.clone()),
+        Column::numbers(
+            "time",
+            units.of(Unit::Time),
+            "at which a height parts the bed",
+            front.times.clone(),
+        ),
+        Column::numbers("height", units.of(Unit::Length), "of the front", front.heights.clone()),
         Column::new("waves_below", "1 if the waves are below it", Cells::Whole(below)),
     ];
     ResultTable::new("waves/front", columns)

@@ -3,12 +3,12 @@
 use super::columns::{Derived, fields};
 use super::frame::FrameSettings;
 use super::{NUMBERS, numbers_of};
-use crate::analysis::Quantity::{Number, Pressure, SquaredSpeed, Time};
 use crate::analysis::stress::CellGrid;
 use crate::analysis::totals;
 use crate::measures::cell_sums::CellSums;
 use crate::measures::layout::{Column, Image, Layout, Rows, Table};
 use crate::measures::{CellValues, Findings, Measure, Needs, Stored, View};
+use talcum_engine::fields::Unit::{One, Pressure, SquaredSpeed, Time};
 use talcum_engine::parallel::Communicator;
 
 /// Sums of the present interval, on the rendezvous ranks of the cells.
@@ -71,7 +71,7 @@ impl Measure for Fields {
     fn layout(&self) -> Layout {
         let columns = vec![
             Column::scalar("from", Time, "time of the first sample that is averaged"),
-            Column::scalar("looks", Number, "number of samples that are averaged"),
+            Column::scalar("looks", One, "number of samples that are averaged"),
             Column::scalar(
                 "granular_temperature_mean",
                 SquaredSpeed,

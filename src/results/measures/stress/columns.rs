@@ -2,9 +2,9 @@
 
 use super::profile::MeanProfiles;
 use super::{Adhesion, NUMBERS};
-use crate::analysis::Quantity::{Length, Number, Pressure, Speed, SquaredSpeed, Time};
 use crate::analysis::stress::{CellGrid, rumpf_strength};
 use crate::measures::layout::{Column, Fixed, Layout, Rows, Table};
+use talcum_engine::fields::Unit::{Length, One, Pressure, Speed, SquaredSpeed, Time};
 
 /// The fields derived from the numbers of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ impl Derived {
 pub(super) fn fields(shape: &[usize]) -> Vec<Column> {
     let with = |inner: &[usize]| [shape, inner].concat();
     vec![
-        Column::array("solids_fraction", shape, Number, "volume of solids per volume"),
+        Column::array("solids_fraction", shape, One, "volume of solids per volume"),
         Column::array("velocity", &with(&[3]), Speed, "mean velocity by mass, in the frame"),
         Column::array(
             "granular_temperature",
@@ -71,7 +71,7 @@ pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
     };
     let scalars = [
         ("from", Time, "time of the first sample that is averaged"),
-        ("looks", Number, "number of samples that are averaged"),
+        ("looks", One, "number of samples that are averaged"),
         ("granular_temperature_mean", SquaredSpeed, "mean over layers, by their solids"),
         ("kinetic_pressure", Pressure, "tr(sigma)/3 of the kinetic part, mean by solids"),
         ("contact_pressure", Pressure, "the same of contacts"),
@@ -81,16 +81,15 @@ pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
         ("tensile_strength", Pressure, "largest tension that a layer bears: -sigma_zz, or 0"),
         ("rumpf_strength", Pressure, "Rumpf's estimate phi k F / (pi d^2) with means by solids"),
     ];
-    let scalars = scalars
-        .into_iter()
-        .map(|(name, quantity, meaning)| Column::scalar(name, quantity, meaning));
+    let scalars =
+        scalars.into_iter().map(|(name, unit, meaning)| Column::scalar(name, unit, meaning));
     let columns =
         scalars.chain(fields(&shape).into_iter().map(|field| field.along(along))).collect();
     let middle = |layer: usize| (layer as f64 + 0.5) * grid.spacing.z;
     let heights = Column::scalar("height", Length, "middle heights of the layers, in the frame");
     let heights = Fixed { column: heights, values: (0..layers).map(middle).collect() };
     let phase =
-        Column::scalar("phase", Number, "middle of each bin of the phase, as a part of a cycle");
+        Column::scalar("phase", One, "middle of each bin of the phase, as a part of a cycle");
     let values = (0..phases).map(|k| (k as f64 + 0.5) / phases as f64).collect();
     let fixed = match phases {
         1 => vec![heights],

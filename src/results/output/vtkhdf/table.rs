@@ -109,7 +109,7 @@ pub(crate) struct RecordColumn<T> {
     /// Its path below `/VTKHDF`.
     pub(crate) name: &'static str,
     pub(crate) width: usize,
-    pub(crate) unit: fn(&ColumnUnits) -> &'static str,
+    pub(crate) unit: fn(ColumnUnits) -> &'static str,
     pub(crate) description: &'static str,
     pub(crate) of: fn(&T) -> &[f64],
 }
@@ -121,7 +121,7 @@ impl<T> RecordColumn<T> {
     }
 
     /// Its dataset.
-    pub(crate) fn dataset(&self, units: &ColumnUnits) -> Dataset {
+    pub(crate) fn dataset(&self, units: ColumnUnits) -> Dataset {
         let (unit, description) = ((self.unit)(units), self.description);
         Dataset::of_items(self.name, Numbers::Real, self.width, unit, description)
     }
