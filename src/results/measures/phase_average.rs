@@ -8,7 +8,7 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Needs, Setting};
-use crate::analysis::Measures;
+use crate::analysis::SeriesRow;
 use crate::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
 use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
@@ -29,7 +29,7 @@ struct Averaged {
     mean_error: &'static str,
     unit: Unit,
     meaning: &'static str,
-    of: fn(&Measures) -> f64,
+    of: fn(&SeriesRow) -> f64,
 }
 
 macro_rules! averaged {

@@ -1,7 +1,7 @@
 //! Read-only view of a run at one instant, for measures.
 
 use crate::analysis::stress::{ContactForce, ContactForces, MovingParticle};
-use crate::analysis::{BedProfile, Measures, RunView};
+use crate::analysis::{BedProfile, RunView, SeriesRow};
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 use talcum_engine::contact::{
@@ -19,7 +19,7 @@ pub struct View<'a> {
     /// The bed over height, at the last row of the series or, if a measure needs it, at present.
     pub profile: &'a BedProfile,
     /// The numbers of the series, if a measure needs them.
-    pub series: Option<&'a Measures>,
+    pub series: Option<&'a SeriesRow>,
     /// The volume-averaged gas on this rank's cells, if a measure needs it and the stage has such a gas.
     pub gas_cells: Option<&'a [CellSample]>,
     wall_pair_forces: OnceCell<Vec<WallPairForce>>,
@@ -35,7 +35,7 @@ impl<'a> View<'a> {
     pub fn new(
         run: RunView<'a>,
         profile: &'a BedProfile,
-        series: Option<&'a Measures>,
+        series: Option<&'a SeriesRow>,
         gas_cells: Option<&'a [CellSample]>,
     ) -> Self {
         Self {

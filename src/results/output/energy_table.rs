@@ -41,7 +41,7 @@ impl Output for EnergyTable {
         let Some(EnergyRow { stored, balance }) = sample.energy else { return Ok(()) };
         let of_state = [stored.kinetic, stored.potential, stored.elastic];
         let energies = of_state.iter().chain(&balance.work).chain([&balance.closure_error]);
-        let time = shortest(sample.measures.time);
+        let time = shortest(sample.row.time);
         let energies: String = energies.map(|energy| format!(",{}", shortest(*energy))).collect();
         self.0.append(&format!("{time}{energies}\n"), ranks)
     }

@@ -107,7 +107,7 @@ impl Output for GasSnapshots {
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let Some(cells) = (sample.gas_cells)() else { return Ok(()) };
-        self.append(sample.measures.time, &cells, ranks)
+        self.append(sample.row.time, &cells, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {

@@ -129,7 +129,7 @@ impl Output for ParticleSnapshots {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        self.append(sample.measures.time, sample.particles, sample.columns, ranks)
+        self.append(sample.row.time, sample.particles, sample.columns, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {

@@ -121,8 +121,8 @@ impl Output for Profiles {
     ) -> Result<(), OutputError> {
         let bed = sample.profile.bed();
         let row = ProfileRow {
-            time: sample.measures.time,
-            superficial_velocity: sample.measures.superficial_velocity,
+            time: sample.row.time,
+            superficial_velocity: sample.row.superficial_velocity,
             solids_fraction: &bed.solids_fraction,
             solids_velocity: &bed.solids_velocity,
         };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::text_table::{TableFormat, TextTable, shortest};
 use super::{ColumnUnits, Head, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample};
-use crate::analysis::Measures;
+use crate::analysis::SeriesRow;
 use talcum_engine::parallel::Communicator;
 
 /// The open table: comments with the provenance, a header with units, and a row for each time.
@@ -51,8 +51,8 @@ impl Series {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn append(&mut self, row: &Measures, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        let values = Measures::COLUMNS.iter().map(|column| shortest((column.value)(row)));
+    pub fn append(&mut self, row: &SeriesRow, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        let values = SeriesRow::COLUMNS.iter().map(|column| shortest((column.value)(row)));
         let line = values.collect::<Vec<_>>().join(",") + "\n";
         self.0.append(&line, ranks)
     }
@@ -64,7 +64,7 @@ impl Output for Series {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        self.append(sample.measures, ranks)
+        self.append(sample.row, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
@@ -73,7 +73,7 @@ impl Output for Series {
 }
 
 fn format(units: ColumnUnits) -> TableFormat {
-    let columns = Measures::COLUMNS.iter();
+    let columns = SeriesRow::COLUMNS.iter();
     let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.unit)));
     TableFormat { header: names.collect::<Vec<_>>().join(","), texts: &[] }
 }
@@ -88,8 +88,8 @@ mod tests {
         Provenance::here_and_now("A bed", units, &OneRank)
     }
 
-    fn row(time: f64) -> Measures {
-        Measures { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
+    fn row(time: f64) -> SeriesRow {
+        SeriesRow { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
     }
 
     #[test]

@@ -35,7 +35,7 @@ impl Output for WallForceTable {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        let time = shortest(sample.measures.time);
+        let time = shortest(sample.row.time);
         let mut lines = String::new();
         for row in sample.wall_forces {
             let diameter = row.diameter.map_or_else(String::new, shortest);

@@ -10,7 +10,7 @@ use talcum_engine::state::{
 use talcum_engine::time_step::{
     Staggered, StepError, advance, confirm, refresh_ghosts, stored_energy,
 };
-use talcum_results::analysis::{BedProfile, Digest, RunView, WallForce, measure, wall_forces};
+use talcum_results::analysis::{BedProfile, Digest, RunView, WallForce, series_row, wall_forces};
 use talcum_results::measures::{Findings, Measure, View};
 
 /// Solids fraction at the limits of the bed, for measures.
@@ -130,7 +130,7 @@ impl Run<'_> {
         let diameters = [smallest_diameter, largest_diameter];
         let mut profile = BedProfile::new(grid, models.limits.speed, diameters, BED_THRESHOLD);
         let run = RunView { state, domain, models, work };
-        let series = needs.series.then(|| measure(run, &mut profile, None, *ranks));
+        let series = needs.series.then(|| series_row(run, &mut profile, None, *ranks));
         let view = View::new(run, &profile, series.as_ref(), gas_cells.as_deref());
         Ok(looking.look(&view, *ranks))
     }

@@ -20,7 +20,7 @@ use talcum_engine::particles::ContactHistories;
 use talcum_engine::state::{EnergyRow, Mechanism, Models, SizeRange, State, StoredSums, Workspace};
 use talcum_engine::time_step::{self, Staggered, StepError, stored_energy};
 use talcum_engine::timers::{Phase, PhaseTime};
-use talcum_results::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
+use talcum_results::analysis::{BedProfile, MomentumProbe, RunView, series_row, wall_forces};
 use talcum_results::measures::View;
 use talcum_results::output::checkpoint::{self, Checkpoint, StoredLedger};
 use talcum_results::output::{Head, Opening, OutputError, Provenance, Sample};
@@ -236,7 +236,7 @@ impl<'a> Simulation<'a> {
         let Self { case, state, work, models, profile, outputs, measuring, ranks, .. } = self;
         let state = confirmed(state, work, *ranks)?;
         let view = RunView { state, domain: &case.domain, models, work };
-        let measures = measure(view, profile, probe, *ranks);
+        let row = series_row(view, profile, probe, *ranks);
         let energy = state.energy.as_ref().map(|ledger| {
             let stored = stored_energy(state, &case.domain, models, work).total(*ranks);
             EnergyRow { stored, balance: ledger.balance(&stored, *ranks) }
@@ -250,7 +250,7 @@ impl<'a> Simulation<'a> {
         };
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
-            measures: &measures,
+            row: &row,
             profile,
             particles: &records(case, state),
             wall_forces: &wall_forces,
@@ -259,7 +259,7 @@ impl<'a> Simulation<'a> {
             gas_cells: &mut gas_cells,
         };
         outputs.write(&state.clock, &mut sample, *ranks)?;
-        let found = measures.particles as u64 + state.departed.count;
+        let found = row.particles as u64 + state.departed.count;
         if found != self.expected_particles {
             let expected = self.expected_particles;
             return Err(RunError::ParticleCount { found, expected });
@@ -287,7 +287,7 @@ impl<'a> Simulation<'a> {
             None
         };
         let run = RunView { state, domain: &case.domain, models, work };
-        let series = needs.series.then(|| measure(run, profile, None, *ranks));
+        let series = needs.series.then(|| series_row(run, profile, None, *ranks));
         let view = View::new(run, profile, series.as_ref(), gas_cells.as_deref());
         Ok(measuring.look(&clock, &view, *ranks)?)
     }

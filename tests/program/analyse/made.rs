@@ -1,7 +1,7 @@
 //! Results folders made by hand, with the writers that runs use.
 
 use std::path::Path;
-use talcum::analysis::Measures;
+use talcum::analysis::SeriesRow;
 use talcum::output::{
     Head, Output, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, SnapshotFormat,
 };
@@ -74,7 +74,7 @@ impl Made {
     }
 
     /// Rows of the series.
-    pub(crate) fn series(&self, rows: impl IntoIterator<Item = Measures>) {
+    pub(crate) fn series(&self, rows: impl IntoIterator<Item = SeriesRow>) {
         let path = self.path().join("series.csv");
         let mut series = Series::create(&path, self.head(), &OneRank).unwrap();
         rows.into_iter().for_each(|row| series.append(&row, &OneRank).unwrap());

@@ -4,7 +4,7 @@ use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::statistics::{CorrelatedMean, correlated_mean, moments};
-use talcum_results::analysis::{Estimate, Measures, NoValue};
+use talcum_results::analysis::{Estimate, NoValue, SeriesRow};
 use talcum_results::output::{Cells, Column, ResultTable};
 
 pub(super) const MEASURE: Measure = Measure {
@@ -17,7 +17,7 @@ pub(super) const MEASURE: Measure = Measure {
 
 /// One kind for each column.
 fn kinds() -> impl Iterator<Item = Kind> {
-    let columns = Measures::COLUMNS.iter().filter(|column| column.name != "time");
+    let columns = SeriesRow::COLUMNS.iter().filter(|column| column.name != "time");
     columns.map(|column| Kind::number(column.name, column.unit, "mean of this column"))
 }
 

@@ -14,19 +14,19 @@ pub struct Column {
     /// Its unit.
     pub unit: Unit,
     /// Its value in a row.
-    pub value: fn(&Measures) -> f64,
+    pub value: fn(&SeriesRow) -> f64,
 }
 
-/// Defines [`Measures`], its columns, and their computation from an [`Observation`], by one entry for each number.
-macro_rules! measures {
+/// Defines [`SeriesRow`], its columns, and their computation from an [`Observation`], by one entry for each number.
+macro_rules! series_columns {
     ($($(#[$meaning:meta])* $name:ident: $unit:ident = $formula:expr;)*) => {
         /// The state of the bed at one instant. "Over weight" means divided by the bed's weight at rest, M g.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub struct Measures {
+        pub struct SeriesRow {
             $($(#[$meaning])* pub $name: f64,)*
         }
 
-        impl Measures {
+        impl SeriesRow {
             /// All numbers, in the order of the file.
             pub const COLUMNS: &[Column] = &[$(Column {
                 name: stringify!($name),
@@ -42,7 +42,7 @@ macro_rules! measures {
     };
 }
 
-measures! {
+series_columns! {
     /// Time.
     time: Time = |it| it.time;
     /// U_s; for a compressible column gas that at the plate, as volume at the pressure above the bed; for a
@@ -109,11 +109,11 @@ fn ratio(value: f64, total: f64) -> f64 {
 /// Computes all numbers. Collective.
 ///
 /// Before: `view` is of the end of a step; `probe` was taken before that step, if there was one.
-pub fn measure(
+pub fn series_row(
     view: RunView<'_>,
     profile: &mut BedProfile,
     probe: Option<MomentumProbe>,
     ranks: &dyn Communicator,
-) -> Measures {
-    Measures::of(&Observation::of(view, profile, probe, ranks))
+) -> SeriesRow {
+    SeriesRow::of(&Observation::of(view, profile, probe, ranks))
 }
