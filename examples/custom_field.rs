@@ -88,7 +88,7 @@ fn checkpoint_of(part: Snapshot) -> Checkpoint {
         gas_report: part.gas_report,
         looked_at: part.looked_at,
         energy: None,
-        measures: Vec::new(),
+        instruments: Vec::new(),
     }
 }
 

@@ -9,7 +9,7 @@ use super::vtkhdf::{
     Added, Dataset, Drawn, FileTable, FileType, Fill, Numbers, PolyData, RecordColumn, Term, Writer,
 };
 use super::{ColumnUnits, Head, OutputError, SnapshotStorage};
-use crate::measures::ContactLine;
+use crate::instruments::ContactLine;
 use talcum_engine::fields::Unit;
 use talcum_engine::parallel::{Communicator, SortedRows, sort_by_id};
 

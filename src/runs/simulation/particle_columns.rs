@@ -1,6 +1,6 @@
 //! Columns of particles in snapshots in addition to the standard ones: those that a case requests, and their numbers.
 
-use super::measuring::Measuring;
+use super::instruments::Instruments;
 use crate::case::{Case, ParticleField};
 use talcum_engine::fields::Unit;
 use talcum_engine::parallel::{Communicator, ParticleRecord};
@@ -27,16 +27,16 @@ pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
 pub(super) fn values(
     case: &Case,
     run: RunView<'_>,
-    measuring: &Measuring,
+    instruments: &Instruments,
     ranks: &dyn Communicator,
 ) -> Vec<Vec<f64>> {
     let fields = case.output.particle_fields.iter();
     let mut columns: Vec<Vec<f64>> =
         fields.map(|&field| numbers_of(field, case, run, ranks)).collect();
-    if let Some(measure) = &case.output.agglomerates {
+    if let Some(instrument) = &case.output.agglomerates {
         let particles = &run.state.particles;
         let ids = &particles.id[..particles.owned_count()];
-        let labels = measuring.agglomerates(measure, ids, ranks);
+        let labels = instruments.agglomerates(instrument, ids, ranks);
         let labels = labels.unwrap_or_else(|| vec![None; ids.len()]);
         columns.push(labels.into_iter().map(|label| label.map_or(-1.0, |id| id as f64)).collect());
     }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::schema::{
     FORMAT, FieldsInFile, LEDGER, VERSION, custom_fields_in_use, fields_in_use, has, path_of,
 };
-use super::{Checkpoint, measures};
+use super::{Checkpoint, instruments};
 use crate::analysis::{Digest, Pair};
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
@@ -47,7 +47,7 @@ pub fn write(
     let rows =
         [particles.count(), contacts.len(), wall_contacts.len(), cells.len(), looked_at.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
-    let kept = measures::row_counts(&checkpoint.measures, ranks);
+    let kept = instruments::row_counts(&checkpoint.instruments, ranks);
     let of_particles = fields_in_use(particles, ranks);
     let custom_in_use = custom_fields_in_use(&checkpoint.custom, ranks);
     let of_contacts = fields_in_use(contacts, ranks);
@@ -72,7 +72,7 @@ pub fn write(
             file.make_group(Pair::GROUP)?;
             make_datasets::<Pair>(&file, rows[4], units, &[])?;
         }
-        measures::make(&file, &checkpoint.measures, &kept)?;
+        instruments::make(&file, &checkpoint.instruments, &kept)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
@@ -85,7 +85,7 @@ pub fn write(
         if pairs.is_some() {
             write_table(&file, &looked_at, &Vec::new(), ranks)?;
         }
-        measures::write(&file, &checkpoint.measures, ranks)?;
+        instruments::write(&file, &checkpoint.instruments, ranks)?;
         file.close()
     });
     written?;
