@@ -1,14 +1,14 @@
-//! Findings of a measure: named numbers and texts, tables, and notes.
+//! Findings of an analysis: named numbers and texts, tables, and notes.
 
 use super::ScalarName;
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::{Estimate, NoValue};
 use talcum_results::output::{ColumnUnits, OutputError, ResultTable};
 
-/// A kind of number or text that a measure may give.
+/// A kind of number or text that an analysis may give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// Its name after that of the measure.
+    /// Its name after that of the analysis.
     pub name: &'static str,
     /// Its unit; it is ignored for a text.
     pub unit: Unit,
@@ -80,7 +80,7 @@ pub struct Scalar {
     pub unit: &'static str,
 }
 
-/// All findings of a measure.
+/// All findings of an analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Findings {
     units: ColumnUnits,
@@ -136,7 +136,7 @@ impl Findings {
     }
 }
 
-/// Reason why a measure found nothing.
+/// Reason why an analysis found nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unmeasured {
     /// The results do not allow it.

@@ -6,7 +6,7 @@ use talcum::output::{
     Head, Output, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, SnapshotFormat,
 };
 use talcum::parallel::{OneRank, ParticleRecord};
-use talcum::post_processing::{Findings, Measure, Results, TimeWindow, Value, scalar_named};
+use talcum::post_processing::{Analysis, Findings, Results, TimeWindow, Value, scalar_named};
 
 /// A column of gas, 5 x 5 x 120 diameters, periodic across; a grid of 1.5 diameters.
 pub(crate) const CASE: &str = r#"title = "Made by hand"
@@ -109,10 +109,10 @@ impl Made {
         }
     }
 
-    /// What a measure finds within some times.
-    pub(crate) fn find(&self, measure: &str, window: TimeWindow) -> Findings {
+    /// What an analysis finds within some times.
+    pub(crate) fn find(&self, analysis: &str, window: TimeWindow) -> Findings {
         let results = Results::open(self.path(), window).unwrap();
-        Measure::named(measure).unwrap().take(&results).unwrap()
+        Analysis::named(analysis).unwrap().take(&results).unwrap()
     }
 }
 

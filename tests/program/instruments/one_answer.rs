@@ -15,7 +15,7 @@ fn column_bed() -> String {
     text.replace("normal_stiffness = 2.0e5", "normal_stiffness = 2.0e4")
 }
 
-const MEASURES: &str = r#"
+const INSTRUMENTS: &str = r#"
 [measure.coordination]
 kind = "coordination"
 every = 0.01
@@ -95,7 +95,7 @@ fn fluidised_bed() -> String {
     std::fs::read_to_string(in_repository("cases/smoke/fluidised.toml")).unwrap()
 }
 
-const MEASURES_OF_GAS: &str = r#"
+const INSTRUMENTS_OF_GAS: &str = r#"
 [measure.clusters]
 kind = "clusters"
 every = 2.0e-5
@@ -158,12 +158,12 @@ fn check(base: &str, instruments: &str, end: f64) {
 
 #[test]
 fn measures_of_particles_are_the_same_on_any_ranks_and_through_restarts() {
-    check(&column_bed(), MEASURES, 1.2);
+    check(&column_bed(), INSTRUMENTS, 1.2);
 }
 
 #[test]
 fn measures_of_a_gas_are_the_same_on_any_ranks_and_through_restarts() {
-    check(&fluidised_bed(), MEASURES_OF_GAS, 3.0e-4);
+    check(&fluidised_bed(), INSTRUMENTS_OF_GAS, 3.0e-4);
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn the_program_measures_the_same_under_mpirun() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).display().to_string();
     let path = folder.path().join("case.toml");
-    std::fs::write(&path, format!("{}{MEASURES}", column_bed())).unwrap();
+    std::fs::write(&path, format!("{}{INSTRUMENTS}", column_bed())).unwrap();
     let path = path.display().to_string();
     let one = talcum(0, &["run", &path, "--output", &place("one"), "--until", "0.6"]);
     let three = talcum(3, &["run", &path, "--output", &place("three"), "--until", "0.6"]);
@@ -215,7 +215,7 @@ fn members_in_snapshots(folder: &Path) -> Vec<(f64, BTreeMap<i64, usize>)> {
 #[test]
 fn snapshots_show_the_agglomerates_of_the_last_look() {
     let set = ["output.particles=0.3", "output.agglomerates=agglomerates", "checkpoint.every=0.3"];
-    let text = format!("{}{MEASURES}", column_bed());
+    let text = format!("{}{INSTRUMENTS}", column_bed());
     let text = Case::text_with(&text, "case.toml", &set.map(str::to_owned)).unwrap();
     let case = case(&text);
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::result_file::ResultFile;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::waves::{
@@ -11,7 +11,7 @@ use talcum_results::analysis::waves::{
 };
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "waves",
     title: "Waves of the solids fraction over height and time",
     scalars: || {

@@ -1,7 +1,7 @@
 //! Solids flux through planes, and residence times between them, from snapshots of the particles.
 
 use crate::post_processing::result_file::ResultFile;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use std::f64::consts::PI;
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
@@ -12,7 +12,7 @@ use talcum_results::analysis::residence::{
 use talcum_results::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "flux",
     title: "Solids flux through planes in the bed, and residence time between them",
     scalars: || vec![UP, NET, RESIDENCE, PASSAGES],

@@ -1,7 +1,7 @@
 //! Mixing and dispersion of the particles, from their snapshots.
 
 use crate::post_processing::result_file::ResultFile;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use std::f64::consts::PI;
 use talcum_engine::fields::Unit;
 use talcum_engine::parallel::OneRank;
@@ -13,7 +13,7 @@ use talcum_results::analysis::{NoValue, Ownership, Periodicity};
 use talcum_results::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use talcum_results::output::{Column, ColumnUnits, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "mixing",
     title: "Mixing and dispersion of the particles",
     scalars: || {

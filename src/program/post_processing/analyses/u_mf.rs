@@ -1,7 +1,7 @@
 //! Minimum fluidisation velocity from ramps of the superficial gas velocity.
 
 use crate::post_processing::evenly_spaced::nearest;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bed_height::{BedHeightOptions, Profile, bulk_solids_fraction};
@@ -11,7 +11,7 @@ use talcum_results::analysis::minimum_fluidisation::{
 use talcum_results::output::{Column, ColumnUnits, ResultTable};
 use talcum_runs::case::{Case, Stage};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "u_mf",
     title: "Minimum fluidisation velocity",
     scalars: || {

@@ -1,7 +1,7 @@
 //! Height of the bed by three definitions, expansion, solids fraction of the bulk, and pressure drop.
 
 use crate::post_processing::result_file::ResultFile;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::bed_height::{
     BedHeight, BedHeightOptions, Profile, bed_height, bulk_solids_fraction, expansion,
@@ -11,7 +11,7 @@ use talcum_results::analysis::{Estimate, NoValue};
 use talcum_results::output::readers::ProfileTable;
 use talcum_results::output::{Column, ColumnUnits, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "bed",
     title: "The bed: means over the times that count",
     scalars: || {

@@ -1,14 +1,14 @@
 //! Power spectra of columns of `series.csv`.
 
 use crate::post_processing::evenly_spaced::EvenRows;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::spectrum::{PowerSpectrum, welch};
 use talcum_results::analysis::statistics::moments;
 use talcum_results::output::{Column, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "spectrum",
     title: "Power spectra of series.csv: the highest peak of each column",
     scalars: || COLUMNS.to_vec(),

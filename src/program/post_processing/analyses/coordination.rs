@@ -1,13 +1,13 @@
 //! Coordination numbers, from checkpoints.
 
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
 use rustc_hash::FxHashMap;
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::{Coordination, NoValue};
 use talcum_results::output::checkpoint::Checkpoint;
 use talcum_results::output::{Cells, Column, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "coordination",
     title: "Coordination number of the last checkpoint that counts",
     scalars: || vec![MEAN, ALONE],

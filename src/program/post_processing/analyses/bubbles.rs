@@ -1,7 +1,7 @@
 //! Bubbles in a volume-averaged gas.
 
 use crate::post_processing::result_file::ResultFile;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use std::f64::consts::PI;
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
@@ -11,7 +11,7 @@ use talcum_results::analysis::bubbles::{
 use talcum_results::analysis::statistics::SampleMean;
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "bubbles",
     title: "Bubbles: regions of a voidage above 0.7, of four cells or more",
     scalars: || vec![COUNT, DIAMETER, ASPECT, RISE],

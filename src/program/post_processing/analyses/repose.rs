@@ -1,7 +1,7 @@
 //! Angle of repose of a heap, from snapshots of the particles.
 
 use crate::post_processing::result_file::ResultFile;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
 use talcum_engine::domain::Face;
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
@@ -10,7 +10,7 @@ use talcum_results::output::readers::ParticleSnapshot;
 use talcum_results::output::{Column, ResultTable};
 use talcum_runs::case::Case;
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "repose",
     title: "Angle of repose of a heap along x, at the last snapshot that counts",
     scalars: || vec![ANGLE, CREST],

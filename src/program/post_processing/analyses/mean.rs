@@ -1,13 +1,13 @@
 //! Means of the columns of `series.csv`, with standard errors.
 
 use crate::post_processing::evenly_spaced::EvenRows;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::statistics::{CorrelatedMean, correlated_mean, moments};
 use talcum_results::analysis::{Estimate, NoValue, SeriesRow};
 use talcum_results::output::{Cells, Column, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "mean",
     title: "Means of series.csv",
     scalars: || kinds().collect(),

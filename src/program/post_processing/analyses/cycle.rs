@@ -1,6 +1,6 @@
 //! Means over the phase of the plate's vibration.
 
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use talcum_engine::domain::Vibration;
 use talcum_engine::fields::Unit;
 use talcum_results::analysis::NoValue;
@@ -8,7 +8,7 @@ use talcum_results::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_
 use talcum_results::output::{Column, ResultTable};
 use talcum_runs::case::{Case, Stage};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "cycle",
     title: "The cycle of the vibrated plate",
     scalars: || vec![FREQUENCY, CYCLES, PLATE_PEAK, PLATE_PEAK_PHASE, LIFT, FLOW_SWING],

@@ -1,6 +1,6 @@
 //! Agglomerates: sets of particles held together by contacts that persist from one checkpoint to the next.
 
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use talcum_engine::fields::Unit;
 use talcum_engine::parallel::OneRank;
 use talcum_results::analysis::agglomerates::{
@@ -13,7 +13,7 @@ use talcum_results::analysis::{
 use talcum_results::output::checkpoint::Checkpoint;
 use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
 
-pub(super) const MEASURE: Measure = Measure {
+pub(super) const ANALYSIS: Analysis = Analysis {
     name: "agglomerates",
     title: "Agglomerates of 15 particles or more, by contacts kept between the last two checkpoints that count",
     scalars: || {
