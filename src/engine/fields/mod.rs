@@ -6,9 +6,11 @@
 //! seen from the other body, its column in memory, and its entry in `talcum info` and docs/files.md. The macro
 //! `records!` makes a record and its list; custom fields are added to the list of the particles when a run is set up.
 
+mod column;
 mod counters;
 mod record;
 
+pub use column::Column;
 pub(crate) use counters::{counter_type, counters};
 pub use record::{Id, Record, groups};
 pub(crate) use record::{records, seen_from_the_other_side, words_of};

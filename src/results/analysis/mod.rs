@@ -47,7 +47,7 @@ pub use line_fit::LineFit;
 pub use momentum::MomentumProbe;
 pub use no_value::{Estimate, NoValue};
 pub use observation::RunView;
-pub use series_row::{Column, SeriesRow, series_row};
+pub use series_row::{SeriesColumn, SeriesRow, series_row};
 pub use talcum_engine::particle_sets::exact_sums::{Keyed, totals, totals_by_key};
 pub use talcum_engine::particle_sets::rendezvous::send_to_rendezvous;
 pub use talcum_engine::particle_sets::{

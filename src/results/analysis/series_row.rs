@@ -3,34 +3,31 @@
 
 use super::observation::Observation;
 use super::{BedProfile, MomentumProbe, RunView};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 
-/// A column of the series.
-#[derive(Clone, Copy, Debug)]
-pub struct Column {
-    /// Its name in the header.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: Unit,
+/// A column of the series, and its value in a row.
+#[derive(Clone, Debug)]
+pub struct SeriesColumn {
+    /// What it is.
+    pub column: Column,
     /// Its value in a row.
     pub value: fn(&SeriesRow) -> f64,
 }
 
 /// Defines [`SeriesRow`], its columns, and their computation from an [`Observation`], by one entry for each number.
 macro_rules! series_columns {
-    ($($(#[$meaning:meta])* $name:ident: $unit:ident = $formula:expr;)*) => {
+    ($($(#[doc = $meaning:literal])* $name:ident: $unit:ident = $formula:expr;)*) => {
         /// The state of the bed at one instant. "Over weight" means divided by the bed's weight at rest, M g.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct SeriesRow {
-            $($(#[$meaning])* pub $name: f64,)*
+            $($(#[doc = $meaning])* pub $name: f64,)*
         }
 
         impl SeriesRow {
             /// All numbers, in the order of the file.
-            pub const COLUMNS: &[Column] = &[$(Column {
-                name: stringify!($name),
-                unit: Unit::$unit,
+            pub const COLUMNS: &[SeriesColumn] = &[$(SeriesColumn {
+                column: Column::scalar(stringify!($name), Unit::$unit, concat!($($meaning),*).trim_ascii()),
                 value: |row| row.$name,
             },)*];
 

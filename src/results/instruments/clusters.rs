@@ -3,14 +3,14 @@
 //! They differ from agglomerates in that nothing holds their particles together. Two cells are connected if they share
 //! a face, also through periodic faces of the box.
 
-use super::layout::{Column, Layout, Rows, Table};
+use super::layout::{Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
 use super::{Instrument, Needs, Readings, Setting};
 use crate::analysis::components::{Link, components};
 use crate::analysis::{Keyed, send_to_rendezvous, totals, totals_by_key};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator, records_of_bytes};
 use talcum_engine::schema::{Allowed, Key, Kind, Value};

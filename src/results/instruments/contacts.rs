@@ -4,7 +4,7 @@
 //! pairs instead: the age of a contact is counted from the first of the uninterrupted samples at which the pair
 //! touched.
 
-use super::layout::{Column, Layout, Rows, Table};
+use super::layout::{Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
@@ -12,7 +12,7 @@ use super::{ContactLine, Instrument, Needs, Readings, Setting};
 use crate::analysis::{Pair, totals};
 use bytemuck::{Pod, Zeroable};
 use talcum_engine::contact::PairForce;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 use talcum_engine::particle_sets::pair::ascending;
 use talcum_engine::schema::{Allowed, Key, Value};

@@ -1,13 +1,13 @@
 //! Coordination number and its distribution, as functions of time.
 
 use super::average::{AVERAGE, Average, looks_per_row};
-use super::layout::{Column, Layout, Rows, Table};
+use super::layout::{Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
 use super::{Instrument, Readings, Setting};
 use crate::analysis::Coordination as Distribution;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 use talcum_engine::schema::{Key, Kind, Value};
 

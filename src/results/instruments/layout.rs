@@ -1,6 +1,6 @@
 //! Contents of the files of an instrument: plain data, which the instrument declares once.
 
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::Column;
 
 /// The files of an instrument.
 #[derive(Clone, Debug, Default)]
@@ -40,43 +40,6 @@ pub struct Table {
     pub name: &'static str,
     /// Its columns.
     pub columns: Vec<Column>,
-}
-
-/// A column of a table.
-#[derive(Clone, Debug)]
-pub struct Column {
-    /// Name of the dataset.
-    pub name: &'static str,
-    /// Shape of the entry in a row; empty for one number.
-    pub shape: Vec<usize>,
-    /// The fixed arrays along which its first dimensions run, such as the heights.
-    pub along: &'static [&'static str],
-    /// Its unit.
-    pub unit: Unit,
-    /// Its meaning.
-    pub meaning: &'static str,
-}
-
-impl Column {
-    /// A number in each row.
-    pub fn scalar(name: &'static str, unit: Unit, meaning: &'static str) -> Self {
-        Self { name, shape: Vec::new(), along: &[], unit, meaning }
-    }
-
-    /// An array of numbers in each row.
-    pub fn array(name: &'static str, shape: &[usize], unit: Unit, meaning: &'static str) -> Self {
-        Self { name, shape: shape.to_vec(), along: &[], unit, meaning }
-    }
-
-    /// This column with its first dimensions along these fixed arrays.
-    pub fn along(self, fixed: &'static [&'static str]) -> Self {
-        Self { along: fixed, ..self }
-    }
-
-    /// Number of values in an entry.
-    pub fn width(&self) -> usize {
-        self.shape.iter().product()
-    }
 }
 
 /// Fields on equal cells of a box.

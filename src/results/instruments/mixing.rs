@@ -4,7 +4,7 @@
 
 mod tracers;
 
-use super::layout::{Column, Layout, Rows, Table};
+use super::layout::{Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
@@ -13,6 +13,7 @@ use crate::analysis::mixing::{
     Displacements, MeanDisplacement, Positioned, largest_secant, slope_between,
 };
 use crate::analysis::statistics::SampleMean;
+use talcum_engine::fields::Column;
 use talcum_engine::fields::Unit::{self, Area, Diffusivity, Length, One, Time};
 use talcum_engine::parallel::Communicator;
 use talcum_engine::schema::{Allowed, Key, Value, Word};

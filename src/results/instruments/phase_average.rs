@@ -3,14 +3,14 @@
 //!
 //! Formula: [`analysis::phase_average`](crate::analysis::phase_average), over one block of cycles after another.
 
-use super::layout::{Column, Fixed, Layout, Rows, Table};
+use super::layout::{Fixed, Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
 use super::{Instrument, Needs, Readings, Setting};
 use crate::analysis::SeriesRow;
 use crate::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 use talcum_engine::schema::{Allowed, Key, Kind, Value};
 

@@ -12,7 +12,7 @@
 //! by its height, so these are unbiased values of the fraction and the flux through the plane.
 
 use super::average::{AVERAGE, Average, looks_per_row};
-use super::layout::{Column, Layout, Rows, Table};
+use super::layout::{Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
@@ -21,7 +21,7 @@ use crate::analysis::{Periodicity, totals};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use talcum_engine::domain::Bounds;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator};
 use talcum_engine::particles::sphere_volume;

@@ -6,13 +6,13 @@
 
 use super::average::{AVERAGE, Average, looks_per_row};
 use super::cell_sums::CellSums;
-use super::layout::{Column, Fixed, Image, Layout, Rows, Table};
+use super::layout::{Fixed, Image, Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
 use super::{CellValues, Instrument, Needs, Readings, Setting};
 use crate::analysis::{send_to_rendezvous, totals};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{CellSample, Communicator};
 use talcum_engine::schema::{Key, Value, Word};
 

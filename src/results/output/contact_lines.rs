@@ -10,43 +10,44 @@ use super::vtkhdf::{
 };
 use super::{ColumnUnits, Head, OutputError, SnapshotStorage};
 use crate::instruments::ContactLine;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{Communicator, SortedRows, sort_by_id};
 
-const NUMBERS: [RecordColumn<ContactLine>; 5] = [
+static NUMBERS: [RecordColumn<ContactLine>; 5] = [
     RecordColumn {
-        name: "CellData/normal_force",
-        width: 1,
-        unit: |units| units.of(Unit::Force),
-        description: "normal force without van der Waals attraction, positive if it pushes the two apart",
+        column: Column::scalar(
+            "CellData/normal_force",
+            Unit::Force,
+            "normal force without van der Waals attraction, positive if it pushes the two apart",
+        ),
         of: |line| from_ref(&line.normal_force),
     },
     RecordColumn {
-        name: "CellData/cohesive_force",
-        width: 1,
-        unit: |units| units.of(Unit::Force),
-        description: "magnitude of the van der Waals attraction",
+        column: Column::scalar(
+            "CellData/cohesive_force",
+            Unit::Force,
+            "magnitude of the van der Waals attraction",
+        ),
         of: |line| from_ref(&line.cohesive_force),
     },
     RecordColumn {
-        name: "CellData/tangential_force",
-        width: 3,
-        unit: |units| units.of(Unit::Force),
-        description: "tangential force on the higher id",
+        column: Column::vector(
+            "CellData/tangential_force",
+            Unit::Force,
+            "tangential force on the higher id",
+        ),
         of: |line| &line.tangential_force,
     },
     RecordColumn {
-        name: "CellData/overlap",
-        width: 1,
-        unit: |units| units.of(Unit::Length),
-        description: "overlap of the surfaces",
+        column: Column::scalar("CellData/overlap", Unit::Length, "overlap of the surfaces"),
         of: |line| from_ref(&line.overlap),
     },
     RecordColumn {
-        name: "CellData/age",
-        width: 1,
-        unit: |units| units.of(Unit::Time),
-        description: "time since the first of the samples at all of which the two have touched",
+        column: Column::scalar(
+            "CellData/age",
+            Unit::Time,
+            "time since the first of the samples at all of which the two have touched",
+        ),
         of: |line| from_ref(&line.age),
     },
 ];
@@ -105,7 +106,7 @@ fn write_lines(
     let higher: Vec<i64> = rows.iter().map(|line| line.higher as i64).collect();
     file.write_rows("/VTKHDF/CellData/higher", first, &higher)?;
     NUMBERS.iter().try_for_each(|column| {
-        file.write_rows(&format!("/VTKHDF/{}", column.name), first, &column.of_all(rows))
+        file.write_rows(&format!("/VTKHDF/{}", column.column.name), first, &column.of_all(rows))
     })
 }
 

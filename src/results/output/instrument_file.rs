@@ -11,8 +11,8 @@ use super::hdf5_file::{ScaledTable, SerialFile};
 use super::output_file::{Obstacle, continue_or_create, shared_rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{ColumnUnits, Head, MessageResult, OutputError, metadata_copy, on_root};
-use crate::instruments::{self, Column, Fixed, InstrumentPlan, Layout, Table};
-use talcum_engine::fields::Unit;
+use crate::instruments::{self, Fixed, InstrumentPlan, Layout, Table};
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 
 /// Approximate size of a chunk of rows, in bytes.

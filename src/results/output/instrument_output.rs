@@ -6,7 +6,8 @@ use super::contact_lines::ContactLines;
 use super::instrument_file::InstrumentFile;
 use super::vtkhdf::{Dataset, ImageCells, Numbers, Writer, image_table};
 use super::{Head, OutputError, SnapshotStorage};
-use crate::instruments::{CellValues, Column, Image, InstrumentPlan, Layout, Readings};
+use crate::instruments::{CellValues, Image, InstrumentPlan, Layout, Readings};
+use talcum_engine::fields::Column;
 use talcum_engine::parallel::{Communicator, records_of_bytes};
 
 /// The open files of an instrument.

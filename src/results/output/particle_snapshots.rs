@@ -10,39 +10,35 @@ use super::vtkhdf::{
 use super::{
     ColumnUnits, Head, Output, OutputError, OutputKind, PointColumn, Sample, SnapshotFormat,
 };
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{
     Communicator, ParticleRecord, Records, sort_by_id, sort_numbers_by_id,
 };
 
 /// The positions, and what is always shown of each particle.
-const NUMBERS: [RecordColumn<ParticleRecord>; 4] = [
+static NUMBERS: [RecordColumn<ParticleRecord>; 4] = [
     RecordColumn {
-        name: "Points",
-        width: 3,
-        unit: |units| units.of(Unit::Length),
-        description: "centres, of one time after another, sorted by id",
+        column: Column::vector(
+            "Points",
+            Unit::Length,
+            "centres, of one time after another, sorted by id",
+        ),
         of: |particle| &particle.position,
     },
     RecordColumn {
-        name: "PointData/velocity",
-        width: 3,
-        unit: |units| units.of(Unit::Speed),
-        description: "velocities of the centres",
+        column: Column::vector("PointData/velocity", Unit::Speed, "velocities of the centres"),
         of: |particle| &particle.velocity,
     },
     RecordColumn {
-        name: "PointData/angular_velocity",
-        width: 3,
-        unit: |units| units.of(Unit::AngularSpeed),
-        description: "angular velocities",
+        column: Column::vector(
+            "PointData/angular_velocity",
+            Unit::AngularSpeed,
+            "angular velocities",
+        ),
         of: |particle| &particle.angular_velocity,
     },
     RecordColumn {
-        name: "PointData/radius",
-        width: 1,
-        unit: |units| units.of(Unit::Length),
-        description: "radii",
+        column: Column::scalar("PointData/radius", Unit::Length, "radii"),
         of: |particle| from_ref(&particle.radius),
     },
 ];
@@ -106,12 +102,12 @@ impl ParticleSnapshots {
             let ids: Vec<i64> = block.rows.iter().map(|particle| particle.id as i64).collect();
             file.write_rows("/VTKHDF/PointData/id", first, &ids)?;
             for column in &NUMBERS {
-                let path = format!("/VTKHDF/{}", column.name);
+                let path = format!("/VTKHDF/{}", column.column.name);
                 file.write_rows(&path, first, &column.of_all(&block.rows))?;
             }
-            for (column, values) in self.format.columns.iter().zip(columns) {
+            for (PointColumn { column, .. }, values) in self.format.columns.iter().zip(columns) {
                 let ids = (0..particles.count()).map(|index| particles.at(index).id);
-                let sorted = sort_numbers_by_id(ids, values, column.width, ranks);
+                let sorted = sort_numbers_by_id(ids, values, column.width(), ranks);
                 file.write_rows(
                     &format!("/VTKHDF/PointData/{}", column.name),
                     first,
@@ -141,10 +137,10 @@ impl Output for ParticleSnapshots {
 fn table(format: &SnapshotFormat, units: ColumnUnits) -> FileTable {
     let meaning = "global ids, ascending at each time";
     let ids = Dataset::of_items("PointData/id", Numbers::Whole, 1, "1", meaning);
-    let further = |column: &PointColumn| {
-        let numbers = if column.is_whole { Numbers::Whole } else { Numbers::Real };
-        let name = format!("PointData/{}", column.name);
-        Dataset::of_items(name, numbers, column.width, column.unit, column.description)
+    let further = |PointColumn { column, is_whole }: &PointColumn| {
+        let numbers = if *is_whole { Numbers::Whole } else { Numbers::Real };
+        let (name, unit) = (format!("PointData/{}", column.name), units.of(column.unit));
+        Dataset::of_items(name, numbers, column.width(), unit, column.meaning)
     };
     let mut datasets: Vec<Dataset> = NUMBERS.iter().map(|column| column.dataset(units)).collect();
     datasets.push(ids);

@@ -74,7 +74,8 @@ impl Output for Series {
 
 fn format(units: ColumnUnits) -> TableFormat {
     let columns = SeriesRow::COLUMNS.iter();
-    let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.unit)));
+    let names =
+        columns.map(|column| format!("{} [{}]", column.column.name, units.of(column.column.unit)));
     TableFormat { header: names.collect::<Vec<_>>().join(","), texts: &[] }
 }
 

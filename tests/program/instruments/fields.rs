@@ -3,9 +3,9 @@
 use crate::snapshots::{check_by_vtk, head, time};
 use std::path::Path;
 use talcum::case::Case;
-use talcum::fields::Unit;
+use talcum::fields::{Column, Unit};
 use talcum::instruments::{
-    CellValues, Column, ContactLine, Image, InstrumentPlan, Layout, Readings, Table,
+    CellValues, ContactLine, Image, InstrumentPlan, Layout, Readings, Table,
 };
 use talcum::output::{InstrumentOutput, Provenance};
 use talcum::parallel::{Communicator, run_on_threads};

@@ -17,7 +17,8 @@ pub(super) const ANALYSIS: Analysis = Analysis {
 
 /// One kind for each column.
 fn kinds() -> impl Iterator<Item = Kind> {
-    let columns = SeriesRow::COLUMNS.iter().filter(|column| column.name != "time");
+    let columns =
+        SeriesRow::COLUMNS.iter().map(|known| &known.column).filter(|column| column.name != "time");
     columns.map(|column| Kind::number(column.name, column.unit, "mean of this column"))
 }
 

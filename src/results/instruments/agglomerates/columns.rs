@@ -1,7 +1,8 @@
 //! The tables of the file of agglomerates.
 
 use super::Agglomerates;
-use crate::instruments::layout::{Column, Fixed, Layout, Table};
+use crate::instruments::layout::{Fixed, Layout, Table};
+use talcum_engine::fields::Column;
 use talcum_engine::fields::Unit::{self, Length, Mass, One, Rate, Speed, Time};
 
 /// Numbers of the tables.

@@ -6,8 +6,9 @@ use super::{NUMBERS, numbers_of};
 use crate::analysis::stress::CellGrid;
 use crate::analysis::totals;
 use crate::instruments::cell_sums::CellSums;
-use crate::instruments::layout::{Column, Image, Layout, Rows, Table};
+use crate::instruments::layout::{Image, Layout, Rows, Table};
 use crate::instruments::{CellValues, Instrument, Needs, Readings, Stored, View};
+use talcum_engine::fields::Column;
 use talcum_engine::fields::Unit::{One, Pressure, SquaredSpeed, Time};
 use talcum_engine::parallel::Communicator;
 
@@ -79,7 +80,7 @@ impl Instrument for Fields {
             ),
             Column::scalar("pressure", Pressure, "tr(sigma)/3 of all parts, mean by solids"),
         ];
-        let flat = |field: Column| Column { shape: vec![field.width()], ..field };
+        let flat = |field: Column| Column { shape: vec![field.width()].into(), ..field };
         let image = Image {
             origin: self.grid.origin.into(),
             spacing: self.grid.spacing.into(),

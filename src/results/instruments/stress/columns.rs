@@ -3,7 +3,8 @@
 use super::profile::MeanProfiles;
 use super::{Adhesion, NUMBERS};
 use crate::analysis::stress::{CellGrid, rumpf_strength};
-use crate::instruments::layout::{Column, Fixed, Layout, Rows, Table};
+use crate::instruments::layout::{Fixed, Layout, Rows, Table};
+use talcum_engine::fields::Column;
 use talcum_engine::fields::Unit::{Length, One, Pressure, Speed, SquaredSpeed, Time};
 
 /// The fields derived from the numbers of a cell.
