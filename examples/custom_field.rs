@@ -88,7 +88,7 @@ fn checkpoint_of(part: Snapshot) -> Checkpoint {
         gas_report: part.gas_report,
         looked_at: part.looked_at,
         energy: None,
-        measures: Vec::new(),
+        instruments: Vec::new(),
     }
 }
 
@@ -118,7 +118,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let head = Head { case_text: "", provenance: &provenance };
     let field = Conduction { conductivity: 20.0, heat_capacity: 1.0 }.field();
     let format = SnapshotFormat {
-        columns: vec![PointColumn::of_field(&field, &head.units())],
+        columns: vec![PointColumn::of_field(&field)],
         ..SnapshotFormat::default()
     };
     let path = Path::new(&folder).join("particles.vtkhdf");

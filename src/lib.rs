@@ -118,6 +118,6 @@ pub use talcum_engine::{
 #[doc(inline)]
 pub use talcum_program::{command_line, post_processing, study};
 #[doc(inline)]
-pub use talcum_results::{analysis, measures, output};
+pub use talcum_results::{analysis, instruments, output};
 #[doc(inline)]
 pub use talcum_runs::{beds, case, input, setup, simulation};

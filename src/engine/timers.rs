@@ -25,7 +25,7 @@ pub enum Phase {
     Walls,
     /// Gas force on the particles.
     GasForce,
-    /// Samples of measures, including their files.
+    /// Samples of instruments, including their files.
     Measures,
     /// Results and checkpoints.
     Output,

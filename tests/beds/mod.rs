@@ -14,7 +14,7 @@ use talcum::contact::{
 use talcum::domain::{Bounds, EffectiveGravity, Face, RankGrid, Vibration};
 use talcum::gas::volume_averaged::VolumeAveragedModel;
 use talcum::gas::{BaseNode, ColumnGas, DragLaw, DragShare, Drive, GasModel};
-use talcum::measures::{Findings, Layout, Measure, Needs, Stored, View};
+use talcum::instruments::{Instrument, Layout, Needs, Readings, Stored, View};
 use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{Communicator, OneRank, ParticleRecord, run_on_threads};
 pub(crate) use talcum::setup::Snapshot;
@@ -301,7 +301,7 @@ impl Run<'_> {
 /// A measure that passes on what it sees of a run, with the numbers of the series and the forces of single contacts.
 pub(crate) struct Reading<F>(pub(crate) F);
 
-impl<F: FnMut(&View<'_>)> Measure for Reading<F> {
+impl<F: FnMut(&View<'_>)> Instrument for Reading<F> {
     fn layout(&self) -> Layout {
         Layout::default()
     }
@@ -310,9 +310,9 @@ impl<F: FnMut(&View<'_>)> Measure for Reading<F> {
         Needs { contact_forces: true, series: true, ..Needs::default() }
     }
 
-    fn look(&mut self, view: &View<'_>, _: &dyn Communicator) -> Findings {
+    fn look(&mut self, view: &View<'_>, _: &dyn Communicator) -> Readings {
         (self.0)(view);
-        Findings::default()
+        Readings::default()
     }
 
     fn stored(&self, _: &dyn Communicator) -> Stored {

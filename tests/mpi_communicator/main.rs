@@ -250,7 +250,7 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         gas_report: GasReport::default(),
         looked_at: None,
         energy: None,
-        measures: Vec::new(),
+        instruments: Vec::new(),
     }
 }
 

@@ -7,7 +7,7 @@ mod beds;
 mod contact_set;
 mod contacts_on_ranks;
 mod dense_beds;
-mod measures;
+mod instruments;
 mod rank_equality;
 #[path = "../mpi_communicator/sparse_exchange.rs"]
 mod sparse_exchange;

@@ -2,7 +2,7 @@
 
 use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Run, attraction, gas, law, shaken};
 use std::f64::consts::PI;
-use talcum::analysis::{BedProfile, Measures, MomentumProbe, RunView, measure};
+use talcum::analysis::{BedProfile, MomentumProbe, RunView, SeriesRow, series_row};
 use talcum::domain::{EffectiveGravity, Face};
 use talcum::gas::{DragLaw, DragShare, Drive, GasSolver, WeightBalance};
 use talcum::grid::ColumnGrid;
@@ -25,11 +25,11 @@ fn momentum_transfer(drag: &DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 
 }
 
 /// Reads everything off after one step. Collective.
-fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
+fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> SeriesRow {
     let probe = MomentumProbe::take(&run.state.particles, run.ranks);
     run.steps(1);
     let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
-    measure(RunView { state, domain, models, work }, profile, Some(probe), *ranks)
+    series_row(RunView { state, domain, models, work }, profile, Some(probe), *ranks)
 }
 
 fn profile_of(run: &Run) -> BedProfile {
@@ -182,7 +182,7 @@ fn plate_gas_and_weight_change_the_momentum_at_every_step() {
                     let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
                     let probe = Some(probe);
                     let view = RunView { state, domain, models, work };
-                    let wrong = measure(view, &mut profile, probe, *ranks);
+                    let wrong = series_row(view, &mut profile, probe, *ranks);
                     without_gas = without_gas.min(wrong.momentum_error);
                 }
             }
@@ -210,7 +210,7 @@ fn plate_stress_and_gas_force_less_weight_is_the_acceleration() {
     let (mut worst, mut least_without_gas) = (0.0_f64, 0.0_f64);
     for _ in 0..2000 {
         let now = step_and_measure(&mut run, &mut profile);
-        let force = |it: &Measures| it.plate_stress + it.gas_force - it.effective_gravity;
+        let force = |it: &SeriesRow| it.plate_stress + it.gas_force - it.effective_gravity;
         let acceleration = (now.centre_velocity - before.centre_velocity) / bench.time_step;
         let mean = 0.5 * (force(&before) + force(&now));
         worst = worst.max((acceleration - mean).abs());
@@ -322,7 +322,7 @@ fn measures_have_the_same_bits_on_any_number_of_ranks() {
                     run.steps(24);
                     step_and_measure(run, &mut profile)
                 });
-                rows.collect::<Vec<Measures>>()
+                rows.collect::<Vec<SeriesRow>>()
             })
         };
         let alone = measures([1, 1, 1]);

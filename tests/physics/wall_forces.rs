@@ -4,7 +4,7 @@
 use crate::beds::{Bench, PERIODIC, PLATE, Reading, law};
 use nalgebra::Vector3;
 use talcum::domain::{EffectiveGravity, Face, Wall};
-use talcum::measures::View;
+use talcum::instruments::View;
 
 /// A bed of three sizes that falls between rough side walls.
 fn bed() -> Bench {

@@ -75,7 +75,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         },
         looked_at: None,
         energy: None,
-        measures: Vec::new(),
+        instruments: Vec::new(),
     }
 }
 

@@ -38,6 +38,7 @@ fn in_words(unit: Unit) -> &'static str {
         Unit::Pressure => "pressure",
         Unit::Volume => "volume",
         Unit::Named(name) => name,
+        other => panic!("no field has the unit {other:?}"),
     }
 }
 

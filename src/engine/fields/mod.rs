@@ -6,9 +6,11 @@
 //! seen from the other body, its column in memory, and its entry in `talcum info` and docs/files.md. The macro
 //! `records!` makes a record and its list; custom fields are added to the list of the particles when a run is set up.
 
+mod column;
 mod counters;
 mod record;
 
+pub use column::Column;
 pub(crate) use counters::{counter_type, counters};
 pub use record::{Id, Record, groups};
 pub(crate) use record::{records, seen_from_the_other_side, words_of};
@@ -28,11 +30,13 @@ pub enum Kind {
     Integer,
 }
 
-/// The unit of a quantity, in the units of a case.
+/// The unit of a number, in the units of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// No unit.
     One,
+    /// Time.
+    Time,
     /// Length.
     Length,
     /// Length over time.
@@ -41,16 +45,32 @@ pub enum Unit {
     Angle,
     /// Angle over time.
     AngularSpeed,
+    /// An angle that is printed, in degrees in both systems of units.
+    Degrees,
+    /// Cycles over time.
+    Frequency,
+    /// Events over time.
+    Rate,
+    /// Area, or squared length.
+    Area,
+    /// Volume.
+    Volume,
+    /// Squared velocity, such as a granular temperature.
+    SquaredSpeed,
+    /// Squared length over time.
+    Diffusivity,
     /// Mass.
     Mass,
+    /// Mass over area and time.
+    MassFlux,
     /// Force.
     Force,
     /// Force times length.
     Torque,
     /// Force over area.
     Pressure,
-    /// Volume.
-    Volume,
+    /// Energy.
+    Energy,
     /// A unit of this name in any case, such as `K`.
     Named(&'static str),
 }

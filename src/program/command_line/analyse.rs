@@ -2,7 +2,7 @@
 
 use super::complain;
 use crate::post_processing::{
-    Findings, MEASURES, Measure, Results, TimeWindow, list, report, write_analysis,
+    ANALYSES, Analysis, Findings, Results, TimeWindow, list, report, write_analysis,
 };
 use anyhow::{Context, bail};
 use clap::Args;
@@ -16,9 +16,9 @@ pub(super) struct AnalyseOptions {
     /// The folder of results of a run, which may still be running.
     #[arg(required_unless_present = "list")]
     results: Option<PathBuf>,
-    /// Take this measure only; may be given several times.
+    /// Take this analysis only; may be given several times.
     #[arg(long = "measure", value_name = "NAME")]
-    measures: Vec<String>,
+    analyses: Vec<String>,
     /// Ignore what is before this time.
     #[arg(long, value_name = "TIME")]
     from: Option<f64>,
@@ -28,12 +28,12 @@ pub(super) struct AnalyseOptions {
     /// Write analysis.h5 into this folder instead of that of the results.
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Only list all measures, and the names of their numbers for studies.
+    /// Only list all analyses, and the names of their numbers for studies.
     #[arg(long)]
     list: bool,
 }
 
-/// Takes the measures on the results of a run, prints the findings and writes them to `analysis.h5`. The exit code is 1
+/// Takes the analyses on the results of a run, prints the findings and writes them to `analysis.h5`. The exit code is 1
 /// if an existing file could not be read.
 pub(super) fn analyse(options: &AnalyseOptions) -> anyhow::Result<ExitCode> {
     let folder = match &options.results {
@@ -43,15 +43,15 @@ pub(super) fn analyse(options: &AnalyseOptions) -> anyhow::Result<ExitCode> {
             return Ok(ExitCode::SUCCESS);
         }
     };
-    let measures = options.chosen()?;
+    let analyses = options.chosen()?;
     let results = Results::open(folder, options.window()?)?;
-    let mut found: Vec<(&Measure, Findings)> = Vec::new();
+    let mut found: Vec<(&Analysis, Findings)> = Vec::new();
     let mut unreadable: Vec<OutputError> = Vec::new();
-    for measure in measures {
-        match measure.take(&results) {
+    for analysis in analyses {
+        match analysis.take(&results) {
             Ok(findings) => {
-                print(&report(measure, &findings))?;
-                found.push((measure, findings));
+                print(&report(analysis, &findings))?;
+                found.push((analysis, findings));
             }
             Err(error) if unreadable.contains(&error) => {}
             Err(error) => unreadable.push(error),
@@ -77,17 +77,17 @@ impl AnalyseOptions {
         Ok(TimeWindow { from, to })
     }
 
-    /// The requested measures; all if none is named.
-    fn chosen(&self) -> anyhow::Result<Vec<&'static Measure>> {
-        if self.measures.is_empty() {
-            return Ok(MEASURES.to_vec());
+    /// The requested analyses; all if none is named.
+    fn chosen(&self) -> anyhow::Result<Vec<&'static Analysis>> {
+        if self.analyses.is_empty() {
+            return Ok(ANALYSES.to_vec());
         }
         let named = |name: &String| {
-            Measure::named(name).with_context(|| {
-                let known: Vec<&str> = MEASURES.iter().map(|measure| measure.name).collect();
+            Analysis::named(name).with_context(|| {
+                let known: Vec<&str> = ANALYSES.iter().map(|analysis| analysis.name).collect();
                 format!("--measure {name}: no such measure; there are {}", known.join(", "))
             })
         };
-        self.measures.iter().map(named).collect()
+        self.analyses.iter().map(named).collect()
     }
 }

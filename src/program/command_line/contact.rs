@@ -7,6 +7,7 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
 use talcum_engine::contact::{ContactForceLaw, force_loop};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 use talcum_engine::rules::ReducedBody;
 use talcum_results::output::ColumnUnits;
@@ -138,7 +139,8 @@ fn table(case: &Case, stage: &Stage, partners: &Partners, options: &ContactOptio
     let mut message = format!("# talcum {}\n# title: {}\n", env!("CARGO_PKG_VERSION"), case.title);
     let _ =
         writeln!(message, "# contact: {other} of diameter {diameter}, stage \"{}\"", stage.name);
-    let ColumnUnits { length, force, .. } = ColumnUnits::of_system(case.units.name());
+    let units = ColumnUnits::of_system(case.units.name());
+    let [length, force] = [Unit::Length, Unit::Force].map(|unit| units.of(unit));
     let _ = writeln!(message, "overlap [{length}],force [{force}],part [1]");
     for point in points {
         let _ = writeln!(message, "{:?},{:?},{}", point.overlap, point.force, point.part);

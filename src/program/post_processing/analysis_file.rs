@@ -1,10 +1,10 @@
 //! Findings in one HDF5 file.
 
-use super::{Findings, Measure, Results, Scalar, TimeWindow, Value, full_name};
+use super::{Analysis, Findings, Results, Scalar, TimeWindow, Value, full_name};
 use std::path::Path;
 use talcum_results::output::{Cells, Column, OutputError, ResultTable, commit};
 
-/// Writes `analysis.h5`: the table `/scalars` with all numbers and texts, and the tables of each measure in a group
+/// Writes `analysis.h5`: the table `/scalars` with all numbers and texts, and the tables of each analysis in a group
 /// with its name. The root contains the provenance and the hash of all tables, which is returned.
 ///
 /// # Errors
@@ -12,7 +12,7 @@ use talcum_results::output::{Cells, Column, OutputError, ResultTable, commit};
 pub fn write(
     path: &Path,
     results: &Results,
-    found: &[(&Measure, Findings)],
+    found: &[(&Analysis, Findings)],
 ) -> Result<String, OutputError> {
     let mut tables = vec![scalars(found)];
     for (_, findings) in found {
@@ -33,8 +33,8 @@ pub fn write(
         text("to", &to.to_string()),
         text("tables_blake3", &digest),
     ];
-    let notes = found.iter().flat_map(|(measure, findings)| {
-        findings.notes.iter().map(|note| (format!("{}_note", measure.name), note.clone()))
+    let notes = found.iter().flat_map(|(analysis, findings)| {
+        findings.notes.iter().map(|note| (format!("{}_note", analysis.name), note.clone()))
     });
     provenance.extend(notes);
     ResultTable::write_all(path, &provenance, &tables)?;
@@ -42,12 +42,12 @@ pub fn write(
 }
 
 /// All numbers and texts by their full names.
-fn scalars(found: &[(&Measure, Findings)]) -> ResultTable {
+fn scalars(found: &[(&Analysis, Findings)]) -> ResultTable {
     let rows: Vec<_> = found
         .iter()
-        .flat_map(|(measure, findings)| findings.scalars.iter().map(|scalar| (*measure, scalar)))
+        .flat_map(|(analysis, findings)| findings.scalars.iter().map(|scalar| (*analysis, scalar)))
         .collect();
-    let name = |(measure, scalar): &(&Measure, &Scalar)| full_name(measure, &scalar.kind);
+    let name = |(analysis, scalar): &(&Analysis, &Scalar)| full_name(analysis, &scalar.kind);
     let numbers = |of: fn(&Value) -> Option<f64>| {
         Cells::Number(
             rows.iter().map(|(_, scalar)| of(&scalar.value).unwrap_or(f64::NAN)).collect(),

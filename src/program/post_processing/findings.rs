@@ -1,16 +1,17 @@
-//! Findings of a measure: named numbers and texts, tables, and notes.
+//! Findings of an analysis: named numbers and texts, tables, and notes.
 
 use super::ScalarName;
-use talcum_results::analysis::{Estimate, NoValue, Quantity};
+use talcum_engine::fields::Unit;
+use talcum_results::analysis::{Estimate, NoValue};
 use talcum_results::output::{ColumnUnits, OutputError, ResultTable};
 
-/// A kind of number or text that a measure may give.
+/// A kind of number or text that an analysis may give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// Its name after that of the measure.
+    /// Its name after that of the analysis.
     pub name: &'static str,
-    /// Kind of quantity; it is ignored for a text.
-    pub quantity: Quantity,
+    /// Its unit; it is ignored for a text.
+    pub unit: Unit,
     /// Its meaning.
     pub meaning: &'static str,
     /// The possible texts; `None` for a number.
@@ -19,8 +20,8 @@ pub struct Kind {
 
 impl Kind {
     /// A number.
-    pub const fn number(name: &'static str, quantity: Quantity, meaning: &'static str) -> Self {
-        Self { name, quantity, meaning, texts: None }
+    pub const fn number(name: &'static str, unit: Unit, meaning: &'static str) -> Self {
+        Self { name, unit, meaning, texts: None }
     }
 
     /// One of a few texts.
@@ -29,7 +30,7 @@ impl Kind {
         texts: &'static [&'static str],
         meaning: &'static str,
     ) -> Self {
-        Self { name, quantity: Quantity::Number, meaning, texts: Some(texts) }
+        Self { name, unit: Unit::One, meaning, texts: Some(texts) }
     }
 }
 
@@ -79,7 +80,7 @@ pub struct Scalar {
     pub unit: &'static str,
 }
 
-/// All findings of a measure.
+/// All findings of an analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Findings {
     units: ColumnUnits,
@@ -108,7 +109,7 @@ impl Findings {
 
     /// Adds a number or text.
     pub fn add(&mut self, kind: &Kind, value: impl Into<Value>) {
-        let unit = if kind.texts.is_some() { "1" } else { self.units.of(kind.quantity) };
+        let unit = if kind.texts.is_some() { "1" } else { self.units.of(kind.unit) };
         self.scalars.push(Scalar { kind: *kind, value: value.into(), unit });
     }
 
@@ -135,7 +136,7 @@ impl Findings {
     }
 }
 
-/// Reason why a measure found nothing.
+/// Reason why an analysis found nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unmeasured {
     /// The results do not allow it.

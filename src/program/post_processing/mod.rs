@@ -1,23 +1,23 @@
 //! The work of `talcum analyse`: it reads the results of a run, and evaluates them by the functions of
 //! [`analysis`](talcum_results::analysis).
 //!
-//! A measure is a file in `measures/` and its line in the list there. It takes its data from [`Results`], whose errors
+//! An analysis is a file in `analyses/` and its line in the list there. It takes its data from [`Results`], whose errors
 //! name the key of the case that would have given a missing file. Its numbers have names such as `waves.speed`, by
 //! which studies request them. An existing file that cannot be read is an error.
 //!
-//! Measures need no ranks, and their findings do not depend on the ranks of the run.
+//! Analyses need no ranks, and their findings do not depend on the ranks of the run.
 
+mod analyses;
 mod analysis_file;
 mod evenly_spaced;
 mod findings;
-mod measures;
 mod report;
 mod result_file;
 mod results;
 
+pub use analyses::ANALYSES;
 pub use analysis_file::write as write_analysis;
 pub use findings::{Findings, Kind, Scalar, Unmeasured, Value};
-pub use measures::MEASURES;
 pub use report::{list, report};
 pub use results::{Results, TimeWindow};
 
@@ -26,14 +26,14 @@ use talcum_results::analysis::NoValue;
 use talcum_results::output::OutputError;
 use talcum_runs::case::Case;
 
-/// A measure in the list of all.
+/// An analysis in the list of all.
 #[derive(Debug)]
-pub struct Measure {
+pub struct Analysis {
     /// Its name, and that of its group in the analysis file.
     pub name: &'static str,
     /// Its heading in the summary.
     pub title: &'static str,
-    /// The numbers and texts that it may give; one with an empty name has the name of the measure itself.
+    /// The numbers and texts that it may give; one with an empty name has the name of the analysis itself.
     pub scalars: fn() -> Vec<Kind>,
     /// Whether a run of this case gives it, as far as the case shows.
     pub of_case: fn(&Case) -> Result<(), NoValue>,
@@ -41,10 +41,10 @@ pub struct Measure {
     pub find: fn(&Results) -> Result<Findings, Unmeasured>,
 }
 
-impl Measure {
-    /// The measure with this name.
+impl Analysis {
+    /// The analysis with this name.
     pub fn named(name: &str) -> Option<&'static Self> {
-        MEASURES.iter().copied().find(|measure| measure.name == name)
+        ANALYSES.iter().copied().find(|analysis| analysis.name == name)
     }
 
     /// Its findings; only the reason if the results do not allow it.
@@ -62,36 +62,36 @@ impl Measure {
     }
 }
 
-/// A number or text of a measure, by its full name: `waves.speed`, or `u_mf`.
+/// A number or text of an analysis, by its full name: `waves.speed`, or `u_mf`.
 #[derive(Clone, Debug)]
 pub struct ScalarName {
-    /// Its measure.
-    pub measure: &'static Measure,
+    /// Its analysis.
+    pub analysis: &'static Analysis,
     /// Its kind.
     pub kind: Kind,
 }
 
 impl fmt::Display for ScalarName {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&full_name(self.measure, &self.kind))
+        formatter.write_str(&full_name(self.analysis, &self.kind))
     }
 }
 
 /// The name by which a number or text is requested.
-fn full_name(measure: &Measure, kind: &Kind) -> String {
+fn full_name(analysis: &Analysis, kind: &Kind) -> String {
     match kind.name {
-        "" => measure.name.to_owned(),
-        name => format!("{}.{name}", measure.name),
+        "" => analysis.name.to_owned(),
+        name => format!("{}.{name}", analysis.name),
     }
 }
 
-/// All names, measure by measure.
+/// All names, analysis by analysis.
 fn scalars() -> impl Iterator<Item = ScalarName> {
-    let of_measure = |measure: &&'static Measure| {
-        let measure = *measure;
-        (measure.scalars)().into_iter().map(move |kind| ScalarName { measure, kind })
+    let of_analysis = |analysis: &&'static Analysis| {
+        let analysis = *analysis;
+        (analysis.scalars)().into_iter().map(move |kind| ScalarName { analysis, kind })
     };
-    MEASURES.iter().flat_map(of_measure)
+    ANALYSES.iter().flat_map(of_analysis)
 }
 
 /// The number or text with a full name.

@@ -1,21 +1,21 @@
 //! Findings as text.
 
-use super::{Findings, MEASURES, Measure, Scalar, Value, full_name};
+use super::{ANALYSES, Analysis, Findings, Scalar, Value, full_name};
 use std::fmt::Write;
 
 /// Width of the column of names.
 const NAMES: usize = 30;
 
-/// The findings of a measure, a line for each number.
-pub fn report(measure: &Measure, findings: &Findings) -> String {
-    let mut text = format!("{}\n", measure.title);
+/// The findings of an analysis, a line for each number.
+pub fn report(analysis: &Analysis, findings: &Findings) -> String {
+    let mut text = format!("{}\n", analysis.title);
     if let Some(reason) = findings.why_nothing() {
-        let _ = writeln!(text, "  {}: {reason}", measure.name);
+        let _ = writeln!(text, "  {}: {reason}", analysis.name);
         return text;
     }
     for scalars in findings.scalars.chunk_by(|a, b| reason(a).is_some() && reason(a) == reason(b)) {
         let names: Vec<String> =
-            scalars.iter().map(|scalar| full_name(measure, &scalar.kind)).collect();
+            scalars.iter().map(|scalar| full_name(analysis, &scalar.kind)).collect();
         let value = scalars.iter().map(value_of).next().unwrap_or_default();
         let _ = writeln!(text, "  {:<NAMES$} {value}", names.join(", "));
     }
@@ -64,10 +64,10 @@ fn digits(value: f64, error: f64) -> String {
 /// All names, each with its meaning.
 pub fn list() -> String {
     let mut text = String::new();
-    for measure in MEASURES {
-        let _ = writeln!(text, "{}\n    {}", measure.name, measure.title);
-        for kind in (measure.scalars)() {
-            let name = full_name(measure, &kind);
+    for analysis in ANALYSES {
+        let _ = writeln!(text, "{}\n    {}", analysis.name, analysis.title);
+        for kind in (analysis.scalars)() {
+            let name = full_name(analysis, &kind);
             let _ = write!(text, "  {name:<NAMES$} {}", kind.meaning);
             let texts = kind.texts.map(|texts| format!(": {}", texts.join(", ")));
             let _ = writeln!(text, "{}", texts.unwrap_or_default());

@@ -1,4 +1,4 @@
-//! The files of results that measures read.
+//! The files of results that analyses read.
 
 use talcum_results::analysis::NoValue;
 use talcum_runs::case::Case;

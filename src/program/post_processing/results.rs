@@ -1,4 +1,4 @@
-//! The folder of a run, read as far as measures need it.
+//! The folder of a run, read as far as analyses need it.
 
 use super::Unmeasured;
 use super::result_file::ResultFile;
@@ -34,7 +34,7 @@ impl TimeWindow {
 
 type Read<T> = OnceCell<Result<T, Unmeasured>>;
 
-/// The results of a run. Files are read at the first request of a measure.
+/// The results of a run. Files are read at the first request of an analysis.
 pub struct Results {
     folder: PathBuf,
     /// The times that are evaluated.

@@ -51,13 +51,13 @@ impl CaseChecker for CaseReader {
     fn check(&self, request: &CaseRequest) -> Result<RunOutline, Vec<CaseProblem>> {
         let case = Case::read(&request.case, &overrides(&request.settings));
         let case = case.map_err(CaseProblem::all_of)?;
-        let reason = |measure: &&post_processing::Measure| {
-            Some((measure.name, (measure.of_case)(&case).err()?.reason().to_owned()))
+        let reason = |analysis: &&post_processing::Analysis| {
+            Some((analysis.name, (analysis.of_case)(&case).err()?.reason().to_owned()))
         };
         Ok(RunOutline {
             end_time: case.end_time(),
             measures: case.measured_scalars(),
-            impossible: post_processing::MEASURES.iter().filter_map(reason).collect(),
+            impossible: post_processing::ANALYSES.iter().filter_map(reason).collect(),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Observations of a state, and evaluation of series, profiles, fields and contacts. This module never changes a state,
 //! and does not handle files.
 //!
-//! * For a state during a run: [`measure`], [`wall_forces`], [`BedProfile`], [`Digest`].
+//! * For a state during a run: [`series_row`], [`wall_forces`], [`BedProfile`], [`Digest`].
 //! * For series, profiles and fields: [`waves`], [`spectrum`], [`phase_average`], [`minimum_fluidisation`],
 //!   [`bed_height`], [`bubbles`], [`repose`], [`residence`], [`statistics`]. Arguments are plain slices, and results
 //!   are plain structs, or a [`NoValue`] that gives the reason why there is none. Arithmetic is done in a fixed order
@@ -18,10 +18,10 @@ mod coordination;
 mod digest;
 mod fractal_dimension;
 mod line_fit;
-mod measures;
 mod momentum;
 mod no_value;
 mod observation;
+mod series_row;
 mod sums;
 mod wall_forces;
 
@@ -44,10 +44,10 @@ pub use coordination::Coordination;
 pub use digest::{Digest, StateRecords};
 pub use fractal_dimension::{MassRadius, PopulationFit};
 pub use line_fit::LineFit;
-pub use measures::{Column, Measures, Quantity, measure};
 pub use momentum::MomentumProbe;
 pub use no_value::{Estimate, NoValue};
 pub use observation::RunView;
+pub use series_row::{SeriesColumn, SeriesRow, series_row};
 pub use talcum_engine::particle_sets::exact_sums::{Keyed, totals, totals_by_key};
 pub use talcum_engine::particle_sets::rendezvous::send_to_rendezvous;
 pub use talcum_engine::particle_sets::{

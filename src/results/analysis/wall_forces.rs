@@ -19,7 +19,7 @@ pub struct WallForce {
 /// of multiples of the force quantum are exact up to their conversion. Collective.
 ///
 /// Forces are those of the last evaluation, at the velocities of the half step: before the first step after a restart
-/// there are none. [`View::wall_pair_forces`](crate::measures::View::wall_pair_forces) gives the force of each
+/// there are none. [`View::wall_pair_forces`](crate::instruments::View::wall_pair_forces) gives the force of each
 /// particle, at the velocities of the whole step.
 pub fn wall_forces(view: RunView<'_>, ranks: &dyn Communicator) -> Vec<WallForce> {
     let RunView { domain, models, work, .. } = view;

@@ -9,43 +9,45 @@ use super::vtkhdf::{
     Added, Dataset, Drawn, FileTable, FileType, Fill, Numbers, PolyData, RecordColumn, Term, Writer,
 };
 use super::{ColumnUnits, Head, OutputError, SnapshotStorage};
-use crate::measures::ContactLine;
+use crate::instruments::ContactLine;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{Communicator, SortedRows, sort_by_id};
 
-const NUMBERS: [RecordColumn<ContactLine>; 5] = [
+static NUMBERS: [RecordColumn<ContactLine>; 5] = [
     RecordColumn {
-        name: "CellData/normal_force",
-        width: 1,
-        unit: |units| units.force,
-        description: "normal force without van der Waals attraction, positive if it pushes the two apart",
+        column: Column::scalar(
+            "CellData/normal_force",
+            Unit::Force,
+            "normal force without van der Waals attraction, positive if it pushes the two apart",
+        ),
         of: |line| from_ref(&line.normal_force),
     },
     RecordColumn {
-        name: "CellData/cohesive_force",
-        width: 1,
-        unit: |units| units.force,
-        description: "magnitude of the van der Waals attraction",
+        column: Column::scalar(
+            "CellData/cohesive_force",
+            Unit::Force,
+            "magnitude of the van der Waals attraction",
+        ),
         of: |line| from_ref(&line.cohesive_force),
     },
     RecordColumn {
-        name: "CellData/tangential_force",
-        width: 3,
-        unit: |units| units.force,
-        description: "tangential force on the higher id",
+        column: Column::vector(
+            "CellData/tangential_force",
+            Unit::Force,
+            "tangential force on the higher id",
+        ),
         of: |line| &line.tangential_force,
     },
     RecordColumn {
-        name: "CellData/overlap",
-        width: 1,
-        unit: |units| units.length,
-        description: "overlap of the surfaces",
+        column: Column::scalar("CellData/overlap", Unit::Length, "overlap of the surfaces"),
         of: |line| from_ref(&line.overlap),
     },
     RecordColumn {
-        name: "CellData/age",
-        width: 1,
-        unit: |units| units.time,
-        description: "time since the first of the samples at all of which the two have touched",
+        column: Column::scalar(
+            "CellData/age",
+            Unit::Time,
+            "time since the first of the samples at all of which the two have touched",
+        ),
         of: |line| from_ref(&line.age),
     },
 ];
@@ -62,7 +64,7 @@ impl ContactLines {
         continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Writer::open(path, table(&head.units()), head, continue_after, ranks).map(Self)
+        Writer::open(path, table(head.units()), head, continue_after, ranks).map(Self)
     }
 
     /// Adds the lines of a time: all ranks' shares, in any order. Collective.
@@ -104,12 +106,12 @@ fn write_lines(
     let higher: Vec<i64> = rows.iter().map(|line| line.higher as i64).collect();
     file.write_rows("/VTKHDF/CellData/higher", first, &higher)?;
     NUMBERS.iter().try_for_each(|column| {
-        file.write_rows(&format!("/VTKHDF/{}", column.name), first, &column.of_all(rows))
+        file.write_rows(&format!("/VTKHDF/{}", column.column.name), first, &column.of_all(rows))
     })
 }
 
 /// The file: two points for each line.
-fn table(units: &ColumnUnits) -> FileTable {
+fn table(units: ColumnUnits) -> FileTable {
     let whole = |name, description| Dataset::of_items(name, Numbers::Whole, 1, "1", description);
     let rows = |per_item, per_time, dataset| Dataset {
         fill: Fill::Rows { per_item, per_time },
@@ -131,12 +133,12 @@ fn table(units: &ColumnUnits) -> FileTable {
     };
     datasets.extend(index.index(&datasets));
     let centres = "centres: of the lower id, then of the higher";
-    let points = Dataset::of_items("Points", Numbers::Real, 3, units.length, centres);
+    let points = Dataset::of_items("Points", Numbers::Real, 3, units.of(Unit::Length), centres);
     datasets.extend([
         rows(2, 0, points),
         rows(2, 0, whole("Lines/Connectivity", "index of VTKHDF")),
         rows(1, 1, whole("Lines/Offsets", "index of VTKHDF")),
-        Dataset::times(units.time, "times"),
+        Dataset::times(units.of(Unit::Time), "times"),
     ]);
     FileTable {
         file_type: FileType::PolyData,

@@ -7,36 +7,41 @@ use std::slice::from_ref;
 
 use super::vtkhdf::{ImageCells, RecordColumn, Writer, image_table};
 use super::{Head, Output, OutputError, OutputKind, Sample, SnapshotStorage};
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator, records_of_bytes, sort_by_id};
 
-const FIELDS: [RecordColumn<CellSample>; 4] = [
+static FIELDS: [RecordColumn<CellSample>; 4] = [
     RecordColumn {
-        name: "CellData/pressure",
-        width: 1,
-        unit: |units| units.pressure,
-        description: "pressure of the gas less its hydrostatic head",
+        column: Column::scalar(
+            "CellData/pressure",
+            Unit::Pressure,
+            "pressure of the gas less its hydrostatic head",
+        ),
         of: |cell| from_ref(&cell.pressure),
     },
     RecordColumn {
-        name: "CellData/velocity",
-        width: 3,
-        unit: |units| units.speed,
-        description: "velocity of the gas between the particles, mean of a cell's faces",
+        column: Column::vector(
+            "CellData/velocity",
+            Unit::Speed,
+            "velocity of the gas between the particles, mean of a cell's faces",
+        ),
         of: |cell| &cell.velocity,
     },
     RecordColumn {
-        name: "CellData/voidage",
-        width: 1,
-        unit: |units| units.number,
-        description: "volume of gas per open volume; 0 in cells outside of a round column",
+        column: Column::scalar(
+            "CellData/voidage",
+            Unit::One,
+            "volume of gas per open volume; 0 in cells outside of a round column",
+        ),
         of: |cell| from_ref(&cell.voidage),
     },
     RecordColumn {
-        name: "CellData/solids_velocity",
-        width: 3,
-        unit: |units| units.speed,
-        description: "mean velocity of the solids by volume; 0 where there are none",
+        column: Column::vector(
+            "CellData/solids_velocity",
+            Unit::Speed,
+            "mean velocity of the solids by volume; 0 where there are none",
+        ),
         of: |cell| &cell.solids_velocity,
     },
 ];
@@ -75,8 +80,8 @@ impl GasSnapshots {
         let (spacing, counts) = (grid.spacing().into(), grid.counts());
         let cells = ImageCells { origin: [0.0; 3], spacing, counts };
         let units = head.units();
-        let fields = FIELDS.iter().map(|field| field.dataset(&units));
-        let table = image_table(cells, fields, storage, &units);
+        let fields = FIELDS.iter().map(|field| field.dataset(units));
+        let table = image_table(cells, fields, storage, units);
         Writer::open(path, table, head, continue_after, ranks).map(Self)
     }
 
@@ -94,7 +99,7 @@ impl GasSnapshots {
         let bytes =
             ranks.gather_to_root(bytemuck::cast_slice(&sorted)).unwrap_or_default().concat();
         let all: Vec<CellSample> = records_of_bytes(&bytes).collect();
-        let rows = FIELDS.iter().map(|field| (field.name, field.of_all(&all)));
+        let rows = FIELDS.iter().map(|field| (field.column.name, field.of_all(&all)));
         self.0.append_on_root(time, ranks, rows)
     }
 }
@@ -106,7 +111,7 @@ impl Output for GasSnapshots {
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let Some(cells) = (sample.gas_cells)() else { return Ok(()) };
-        self.append(sample.measures.time, &cells, ranks)
+        self.append(sample.row.time, &cells, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {

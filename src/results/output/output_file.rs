@@ -7,7 +7,7 @@ use super::{
     ColumnUnits, MessageResult, OutputError, Provenance, SnapshotFormat, is_error_of_system,
     require_file, set_aside,
 };
-use crate::analysis::{BedProfile, Measures, WallForce};
+use crate::analysis::{BedProfile, SeriesRow, WallForce};
 use talcum_engine::grid::{BoxGrid, ColumnGrid};
 use talcum_engine::parallel::{CellSample, Communicator, ParticleRecord, Records};
 use talcum_engine::state::EnergyRow;
@@ -36,7 +36,7 @@ pub trait Output {
 /// One instant of a run, as seen by outputs.
 pub struct Sample<'a> {
     /// Its numbers.
-    pub measures: &'a Measures,
+    pub row: &'a SeriesRow,
     /// The bed over the height.
     pub profile: &'a BedProfile,
     /// This rank's particles, positions wrapped into the box.

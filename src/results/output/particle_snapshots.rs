@@ -10,38 +10,35 @@ use super::vtkhdf::{
 use super::{
     ColumnUnits, Head, Output, OutputError, OutputKind, PointColumn, Sample, SnapshotFormat,
 };
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{
     Communicator, ParticleRecord, Records, sort_by_id, sort_numbers_by_id,
 };
 
 /// The positions, and what is always shown of each particle.
-const NUMBERS: [RecordColumn<ParticleRecord>; 4] = [
+static NUMBERS: [RecordColumn<ParticleRecord>; 4] = [
     RecordColumn {
-        name: "Points",
-        width: 3,
-        unit: |units| units.length,
-        description: "centres, of one time after another, sorted by id",
+        column: Column::vector(
+            "Points",
+            Unit::Length,
+            "centres, of one time after another, sorted by id",
+        ),
         of: |particle| &particle.position,
     },
     RecordColumn {
-        name: "PointData/velocity",
-        width: 3,
-        unit: |units| units.speed,
-        description: "velocities of the centres",
+        column: Column::vector("PointData/velocity", Unit::Speed, "velocities of the centres"),
         of: |particle| &particle.velocity,
     },
     RecordColumn {
-        name: "PointData/angular_velocity",
-        width: 3,
-        unit: |units| units.angular_speed,
-        description: "angular velocities",
+        column: Column::vector(
+            "PointData/angular_velocity",
+            Unit::AngularSpeed,
+            "angular velocities",
+        ),
         of: |particle| &particle.angular_velocity,
     },
     RecordColumn {
-        name: "PointData/radius",
-        width: 1,
-        unit: |units| units.length,
-        description: "radii",
+        column: Column::scalar("PointData/radius", Unit::Length, "radii"),
         of: |particle| from_ref(&particle.radius),
     },
 ];
@@ -78,7 +75,7 @@ impl ParticleSnapshots {
         continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let writer = Writer::open(path, table(format, &head.units()), head, continue_after, ranks)?;
+        let writer = Writer::open(path, table(format, head.units()), head, continue_after, ranks)?;
         Ok(Self { format: format.clone(), writer })
     }
 
@@ -105,12 +102,12 @@ impl ParticleSnapshots {
             let ids: Vec<i64> = block.rows.iter().map(|particle| particle.id as i64).collect();
             file.write_rows("/VTKHDF/PointData/id", first, &ids)?;
             for column in &NUMBERS {
-                let path = format!("/VTKHDF/{}", column.name);
+                let path = format!("/VTKHDF/{}", column.column.name);
                 file.write_rows(&path, first, &column.of_all(&block.rows))?;
             }
-            for (column, values) in self.format.columns.iter().zip(columns) {
+            for (PointColumn { column, .. }, values) in self.format.columns.iter().zip(columns) {
                 let ids = (0..particles.count()).map(|index| particles.at(index).id);
-                let sorted = sort_numbers_by_id(ids, values, column.width, ranks);
+                let sorted = sort_numbers_by_id(ids, values, column.width(), ranks);
                 file.write_rows(
                     &format!("/VTKHDF/PointData/{}", column.name),
                     first,
@@ -128,7 +125,7 @@ impl Output for ParticleSnapshots {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        self.append(sample.measures.time, sample.particles, sample.columns, ranks)
+        self.append(sample.row.time, sample.particles, sample.columns, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
@@ -137,13 +134,13 @@ impl Output for ParticleSnapshots {
 }
 
 /// The file. Each snapshot has one cell, a vertex of all its particles, so that it is drawn by default.
-fn table(format: &SnapshotFormat, units: &ColumnUnits) -> FileTable {
+fn table(format: &SnapshotFormat, units: ColumnUnits) -> FileTable {
     let meaning = "global ids, ascending at each time";
     let ids = Dataset::of_items("PointData/id", Numbers::Whole, 1, "1", meaning);
-    let further = |column: &PointColumn| {
-        let numbers = if column.is_whole { Numbers::Whole } else { Numbers::Real };
-        let name = format!("PointData/{}", column.name);
-        Dataset::of_items(name, numbers, column.width, column.unit, column.description)
+    let further = |PointColumn { column, is_whole }: &PointColumn| {
+        let numbers = if *is_whole { Numbers::Whole } else { Numbers::Real };
+        let (name, unit) = (format!("PointData/{}", column.name), units.of(column.unit));
+        Dataset::of_items(name, numbers, column.width(), unit, column.meaning)
     };
     let mut datasets: Vec<Dataset> = NUMBERS.iter().map(|column| column.dataset(units)).collect();
     datasets.push(ids);
@@ -167,7 +164,7 @@ fn table(format: &SnapshotFormat, units: &ColumnUnits) -> FileTable {
     let meaning = "points of the vertex of each snapshot: 0, 1, 2, ...";
     let points = Dataset::index("Vertices/Connectivity", &[], meaning);
     datasets.push(Dataset { fill: Fill::Counting, ..points });
-    datasets.push(Dataset::times(units.time, "times of the snapshots"));
+    datasets.push(Dataset::times(units.of(Unit::Time), "times of the snapshots"));
     FileTable {
         file_type: FileType::PolyData,
         data,

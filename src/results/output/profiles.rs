@@ -10,6 +10,7 @@ use super::{
     Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
     metadata_copy, on_root,
 };
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 
 /// Datasets that grow with time.
@@ -120,8 +121,8 @@ impl Output for Profiles {
     ) -> Result<(), OutputError> {
         let bed = sample.profile.bed();
         let row = ProfileRow {
-            time: sample.measures.time,
-            superficial_velocity: sample.measures.superficial_velocity,
+            time: sample.row.time,
+            superficial_velocity: sample.row.superficial_velocity,
             solids_fraction: &bed.solids_fraction,
             solids_velocity: &bed.solids_velocity,
         };
@@ -153,11 +154,11 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
     let table = |name, width, unit, description| TableHead { name, width, unit, description };
     let description = "heights of the grid's nodes";
     let rows = Rows::Fixed(nodes as u64);
-    file.make_table::<f64>(&table("/height", 1, units.length, description), rows)?;
+    file.make_table::<f64>(&table("/height", 1, units.of(Unit::Length), description), rows)?;
     file.fill("/height", heights)?;
     let descriptions =
         ["time", "superficial gas velocity", "solids volume fraction", "mean solids velocity, up"];
-    let column_units = [units.time, units.speed, "1", units.speed];
+    let column_units = [units.of(Unit::Time), units.of(Unit::Speed), "1", units.of(Unit::Speed)];
     let widths = [1, 1, nodes, nodes];
     for (column, name) in GROWING.into_iter().enumerate() {
         let head = table(name, widths[column], column_units[column], descriptions[column]);

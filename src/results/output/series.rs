@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::text_table::{TableFormat, TextTable, shortest};
 use super::{ColumnUnits, Head, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample};
-use crate::analysis::Measures;
+use crate::analysis::SeriesRow;
 use talcum_engine::parallel::Communicator;
 
 /// The open table: comments with the provenance, a header with units, and a row for each time.
@@ -17,7 +17,7 @@ impl Series {
         OutputKind { file_name: "series.csv", needs_momentum_before: true, open: Self::open };
 
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
-        let format = format(&opening.head.units());
+        let format = format(opening.head.units());
         Ok(Some(Box::new(Self(TextTable::open(path, opening, &format, ranks)?))))
     }
 
@@ -30,7 +30,7 @@ impl Series {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Ok(Self(TextTable::create(path, head, &format(&head.units()), ranks)?))
+        Ok(Self(TextTable::create(path, head, &format(head.units()), ranks)?))
     }
 
     /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the file becomes
@@ -44,15 +44,15 @@ impl Series {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Ok(Self(TextTable::resume(path, time, head, &format(&head.units()), ranks)?))
+        Ok(Self(TextTable::resume(path, time, head, &format(head.units()), ranks)?))
     }
 
     /// Adds a row, which is in the file on return; that of rank 0 is written. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn append(&mut self, row: &Measures, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        let values = Measures::COLUMNS.iter().map(|column| shortest((column.value)(row)));
+    pub fn append(&mut self, row: &SeriesRow, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        let values = SeriesRow::COLUMNS.iter().map(|column| shortest((column.value)(row)));
         let line = values.collect::<Vec<_>>().join(",") + "\n";
         self.0.append(&line, ranks)
     }
@@ -64,7 +64,7 @@ impl Output for Series {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        self.append(sample.measures, ranks)
+        self.append(sample.row, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
@@ -72,9 +72,10 @@ impl Output for Series {
     }
 }
 
-fn format(units: &ColumnUnits) -> TableFormat {
-    let columns = Measures::COLUMNS.iter();
-    let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.quantity)));
+fn format(units: ColumnUnits) -> TableFormat {
+    let columns = SeriesRow::COLUMNS.iter();
+    let names =
+        columns.map(|column| format!("{} [{}]", column.column.name, units.of(column.column.unit)));
     TableFormat { header: names.collect::<Vec<_>>().join(","), texts: &[] }
 }
 
@@ -88,8 +89,8 @@ mod tests {
         Provenance::here_and_now("A bed", units, &OneRank)
     }
 
-    fn row(time: f64) -> Measures {
-        Measures { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
+    fn row(time: f64) -> SeriesRow {
+        SeriesRow { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Number format of snapshots, and their columns in addition to the standard ones.
 
-use super::ColumnUnits;
 use super::table::Rows;
-use talcum_engine::fields::{Field, Kind};
+use talcum_engine::fields::{Column, Field, Kind};
 
 /// Number format of snapshots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,28 +25,16 @@ impl SnapshotStorage {
 /// An additional column for each particle in snapshots.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PointColumn {
-    /// Name of its dataset.
-    pub name: &'static str,
-    /// Numbers for each particle.
-    pub width: usize,
-    /// Whether they are whole numbers.
+    /// What it is.
+    pub column: Column,
+    /// Whether it holds whole numbers.
     pub is_whole: bool,
-    /// Name of their unit.
-    pub unit: &'static str,
-    /// Their meaning.
-    pub description: &'static str,
 }
 
 impl PointColumn {
     /// The column of a field of the particles.
-    pub fn of_field(field: &Field, units: &ColumnUnits) -> Self {
-        Self {
-            name: field.name,
-            width: field.width(),
-            is_whole: field.kind == Kind::Integer,
-            unit: units.of_unit(field.unit),
-            description: field.meaning,
-        }
+    pub fn of_field(field: &Field) -> Self {
+        Self { column: Column::of_field(field), is_whole: field.kind == Kind::Integer }
     }
 }
 

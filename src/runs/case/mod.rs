@@ -17,8 +17,8 @@ mod drag;
 mod fluidisation;
 mod forces;
 mod gas;
+mod instruments;
 mod lightest;
-mod measures;
 mod merging;
 mod mixing;
 mod overrides;
@@ -62,7 +62,7 @@ use talcum_engine::gas::GasModel;
 use talcum_engine::gas::volume_averaged::VolumeAveragedModel;
 use talcum_engine::particles::{ListRange, Skin};
 use talcum_engine::state::{Domain, SizeRange};
-use talcum_results::measures::MeasurePlan;
+use talcum_results::instruments::InstrumentPlan;
 
 /// A run as described by its case file.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,8 +84,8 @@ pub struct Case {
     pub coarse_graining: Option<CoarseGraining>,
     /// Results.
     pub output: OutputPlan,
-    /// Measures of the run.
-    pub measures: Vec<MeasurePlan>,
+    /// Instruments of the run.
+    pub instruments: Vec<InstrumentPlan>,
     /// Checkpoints.
     pub checkpoint: CheckpointPlan,
     /// Wall-clock time after which the run ends itself with a checkpoint.
@@ -193,13 +193,13 @@ impl Case {
         self.gas_on_cells().volume_averaged()
     }
 
-    /// Each measure with the names of the numbers that it gives at each of its times.
+    /// Each instrument with the names of the numbers that it gives at each of its times.
     pub fn measured_scalars(&self) -> BTreeMap<String, Vec<&'static str>> {
         let gas_grid = self.volume_averaged().map(|gas| &gas.grid);
-        let scalars = |plan: &MeasurePlan| {
+        let scalars = |plan: &InstrumentPlan| {
             (plan.name.clone(), plan.scalar_names(&self.domain.bounds, gas_grid))
         };
-        self.measures.iter().map(scalars).collect()
+        self.instruments.iter().map(scalars).collect()
     }
 
     /// The volume-averaged gas as the gas of a stage; no gas if there is no such stage.
@@ -343,7 +343,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         particles: particles?,
         coarse_graining: None,
         output: output?,
-        measures: Vec::new(),
+        instruments: Vec::new(),
         checkpoint: or_defaults("checkpoint").and_then(|s| plans::read_checkpoint(&s))?,
         wall_clock: or_defaults("run")?.wall_time("wall_clock"),
         parallel: or_defaults("parallel").and_then(|s| plans::read_parallel(&s, on_cells))?,
@@ -353,9 +353,9 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
     if let Some(section) = root.table("coarse_graining") {
         case = coarse_graining::read_coarse_graining(&section, case)?;
     }
-    case.measures = measures::read_measures(&root, &case)?;
+    case.instruments = instruments::read_instruments(&root, &case)?;
     if let Some(output) = root.table("output") {
-        measures::check_agglomerates(&output, &case);
+        instruments::check_agglomerates(&output, &case);
     }
     case.notes = problems.notes();
     if let Some(sizes) = case.size_range() {

@@ -27,7 +27,7 @@ pub struct OutputPlan {
     pub single_precision: bool,
     /// Level of compression of snapshots: from 0, none, to 9.
     pub compression: u8,
-    /// The measure whose agglomerates are part of snapshots of the particles.
+    /// The instrument whose agglomerates are part of snapshots of the particles.
     pub agglomerates: Option<String>,
     /// Solids fraction at the bottom and top of the bed.
     pub bed_threshold: f64,

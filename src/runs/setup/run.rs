@@ -10,10 +10,10 @@ use talcum_engine::state::{
 use talcum_engine::time_step::{
     Staggered, StepError, advance, confirm, refresh_ghosts, stored_energy,
 };
-use talcum_results::analysis::{BedProfile, Digest, RunView, WallForce, measure, wall_forces};
-use talcum_results::measures::{Findings, Measure, View};
+use talcum_results::analysis::{BedProfile, Digest, RunView, WallForce, series_row, wall_forces};
+use talcum_results::instruments::{Instrument, Readings, View};
 
-/// Solids fraction at the limits of the bed, for measures.
+/// Solids fraction at the limits of the bed, for instruments.
 const BED_THRESHOLD: f64 = 0.3;
 
 /// A bed between two steps, on this rank. [`Setup::start`](super::Setup::start) makes it.
@@ -108,11 +108,11 @@ impl Run<'_> {
         stored_energy(state, domain, models, work).total(*ranks)
     }
 
-    /// Takes a sample of the run for a measure, which does not change the run. Collective.
+    /// Takes a sample of the run for an instrument, which does not change the run. Collective.
     ///
     /// # Errors
     /// If the forces of the last step are not meaningful.
-    pub fn look(&mut self, looking: &mut dyn Measure) -> Result<Findings, StepError> {
+    pub fn look(&mut self, looking: &mut dyn Instrument) -> Result<Readings, StepError> {
         let Self { state, domain, models, work, ranks } = self;
         confirm(state, work, *ranks)?;
         let needs = looking.needs();
@@ -130,7 +130,7 @@ impl Run<'_> {
         let diameters = [smallest_diameter, largest_diameter];
         let mut profile = BedProfile::new(grid, models.limits.speed, diameters, BED_THRESHOLD);
         let run = RunView { state, domain, models, work };
-        let series = needs.series.then(|| measure(run, &mut profile, None, *ranks));
+        let series = needs.series.then(|| series_row(run, &mut profile, None, *ranks));
         let view = View::new(run, &profile, series.as_ref(), gas_cells.as_deref());
         Ok(looking.look(&view, *ranks))
     }

@@ -125,7 +125,7 @@ fn is_result(name: &str) -> bool {
         || ["", ".metadata"].into_iter().any(of_listed)
 }
 
-/// Whether a file belongs to a measure of any name.
+/// Whether a file belongs to an instrument of any name.
 fn is_of_measure(name: &str) -> bool {
     let of_measure = |name: &str| name.ends_with(".h5") || name.ends_with(".vtkhdf");
     let plain = |suffix| name.strip_suffix(suffix).is_some_and(of_measure);

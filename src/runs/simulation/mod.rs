@@ -3,9 +3,9 @@
 mod cheapest_grid;
 mod checkpoints;
 mod folder;
+mod instruments;
 mod interval;
 mod layout;
-mod measuring;
 mod outputs;
 mod particle_columns;
 mod running;

@@ -1,18 +1,18 @@
 //! Columns of particles in snapshots in addition to the standard ones: those that a case requests, and their numbers.
 
-use super::measuring::Measuring;
+use super::instruments::Instruments;
 use crate::case::{Case, ParticleField};
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{Communicator, ParticleRecord};
 use talcum_engine::particles::{AGGLOMERATE, AgglomerateOfParticle, Body};
 use talcum_results::analysis::RunView;
-use talcum_results::output::{ColumnUnits, PointColumn, SnapshotFormat, SnapshotStorage};
+use talcum_results::output::{PointColumn, SnapshotFormat, SnapshotStorage};
 
 /// The snapshot format of a case.
 pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
     let plan = &case.output;
-    let units = ColumnUnits::of_system(case.units.name());
     let mut columns: Vec<PointColumn> =
-        plan.particle_fields.iter().map(|&field| column_of(field, &units)).collect();
+        plan.particle_fields.iter().map(|&field| column_of(field)).collect();
     if plan.agglomerates.is_some() {
         let meaning = "smallest id of the particle's agglomerate as of the last sample; -1: none";
         columns.push(whole("agglomerate", meaning));
@@ -26,48 +26,45 @@ pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
 pub(super) fn values(
     case: &Case,
     run: RunView<'_>,
-    measuring: &Measuring,
+    instruments: &Instruments,
     ranks: &dyn Communicator,
 ) -> Vec<Vec<f64>> {
     let fields = case.output.particle_fields.iter();
     let mut columns: Vec<Vec<f64>> =
         fields.map(|&field| numbers_of(field, case, run, ranks)).collect();
-    if let Some(measure) = &case.output.agglomerates {
+    if let Some(instrument) = &case.output.agglomerates {
         let particles = &run.state.particles;
         let ids = &particles.id[..particles.owned_count()];
-        let labels = measuring.agglomerates(measure, ids, ranks);
+        let labels = instruments.agglomerates(instrument, ids, ranks);
         let labels = labels.unwrap_or_else(|| vec![None; ids.len()]);
         columns.push(labels.into_iter().map(|label| label.map_or(-1.0, |id| id as f64)).collect());
     }
     columns
 }
 
-fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
-    let number = |name, width, unit, description| PointColumn {
-        name,
-        width,
+fn column_of(field: ParticleField) -> PointColumn {
+    let force = |name, meaning| PointColumn {
+        column: Column::vector(name, Unit::Force, meaning),
         is_whole: false,
-        unit,
-        description,
     };
     let of_field = |name: &str| {
         let mut fields = ParticleRecord::FIELDS.iter();
         let field = fields.find(|field| field.name == name);
-        PointColumn::of_field(field.expect("the list has it"), units)
+        PointColumn::of_field(field.expect("the list has it"))
     };
     match field {
         ParticleField::Mass => of_field("mass"),
         ParticleField::Class => whole("class", "number of the size class, from 0; -1: none"),
         ParticleField::Species => of_field("species"),
-        ParticleField::Force => number("force", 3, units.force, "all forces, gravity included"),
-        ParticleField::GasForce => number("gas_force", 3, units.force, "forces of the gas"),
+        ParticleField::Force => force("force", "all forces, gravity included"),
+        ParticleField::GasForce => force("gas_force", "forces of the gas"),
         ParticleField::Coordination => whole("coordination", "number of touching particles"),
         ParticleField::DragFactor => of_field("drag_factor"),
     }
 }
 
-fn whole(name: &'static str, description: &'static str) -> PointColumn {
-    PointColumn { name, width: 1, is_whole: true, unit: "1", description }
+fn whole(name: &'static str, meaning: &'static str) -> PointColumn {
+    PointColumn { column: Column::scalar(name, Unit::One, meaning), is_whole: true }
 }
 
 /// The numbers of one column. Collective.

@@ -3,7 +3,7 @@
 use super::RunError;
 use super::checkpoints::{Checkpoints, WrittenCheckpoint};
 use super::folder::{OutputFolder, make_folder, mark_complete};
-use super::measuring::{Beginning, Measuring};
+use super::instruments::{Beginning, Instruments};
 use super::outputs::Outputs;
 use super::particle_columns::{self, snapshot_format};
 use super::stage_rate::StageRate;
@@ -20,8 +20,8 @@ use talcum_engine::particles::ContactHistories;
 use talcum_engine::state::{EnergyRow, Mechanism, Models, SizeRange, State, StoredSums, Workspace};
 use talcum_engine::time_step::{self, Staggered, StepError, stored_energy};
 use talcum_engine::timers::{Phase, PhaseTime};
-use talcum_results::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
-use talcum_results::measures::View;
+use talcum_results::analysis::{BedProfile, MomentumProbe, RunView, series_row, wall_forces};
+use talcum_results::instruments::View;
 use talcum_results::output::checkpoint::{self, Checkpoint, StoredLedger};
 use talcum_results::output::{Head, Opening, OutputError, Provenance, Sample};
 
@@ -40,7 +40,7 @@ pub(super) struct Simulation<'a> {
     folder: OutputFolder,
     provenance: Provenance,
     outputs: Outputs,
-    measuring: Measuring,
+    instruments: Instruments,
     checkpoints: Checkpoints,
     expected_particles: u64,
     ranks: &'a dyn Communicator,
@@ -56,7 +56,7 @@ impl<'a> Simulation<'a> {
         ranks: &'a dyn Communicator,
     ) -> Result<Self, RunError> {
         let (stage, models) = begin(case, initial, ranks)?;
-        let InitialState { state, work, measures: kept, origin, .. } = initial;
+        let InitialState { state, work, instruments: kept, origin, .. } = initial;
         let (is_new, origin) = (*origin == Origin::NewBed, *origin);
         let profile = profile_of(case, &models, &state.sizes);
         let provenance = Provenance::here_and_now(&case.title, case.units.name(), ranks);
@@ -68,7 +68,7 @@ impl<'a> Simulation<'a> {
         let opening = Opening { head, continue_after, profile_grid, snapshots, gas_grid };
         let outputs = open_outputs(&folder, case, &opening, state.clock.step, ranks)?;
         let beginning = Beginning { folder: &folder.path, head, continue_after, kept };
-        let measuring = Measuring::open(case, &beginning, &state.sizes, profile.grid(), ranks)?;
+        let instruments = Instruments::open(case, &beginning, &state.sizes, profile.grid(), ranks)?;
         kept.clear();
         let here = ranks.total(state.particles.owned_count()) as u64;
         let mut simulation = Self {
@@ -83,7 +83,7 @@ impl<'a> Simulation<'a> {
             folder,
             provenance,
             outputs,
-            measuring,
+            instruments,
             checkpoints: Checkpoints::new(&case.checkpoint),
             ranks,
         };
@@ -233,10 +233,10 @@ impl<'a> Simulation<'a> {
         if !self.outputs.due(self.state.clock(), self.steps_done()) {
             return Ok(());
         }
-        let Self { case, state, work, models, profile, outputs, measuring, ranks, .. } = self;
+        let Self { case, state, work, models, profile, outputs, instruments, ranks, .. } = self;
         let state = confirmed(state, work, *ranks)?;
         let view = RunView { state, domain: &case.domain, models, work };
-        let measures = measure(view, profile, probe, *ranks);
+        let row = series_row(view, profile, probe, *ranks);
         let energy = state.energy.as_ref().map(|ledger| {
             let stored = stored_energy(state, &case.domain, models, work).total(*ranks);
             EnergyRow { stored, balance: ledger.balance(&stored, *ranks) }
@@ -244,13 +244,13 @@ impl<'a> Simulation<'a> {
         let is_asked_for = case.output.walls.is_some();
         let wall_forces = if is_asked_for { wall_forces(view, *ranks) } else { Vec::new() };
         let columns = if outputs.shows_particles(&state.clock) {
-            particle_columns::values(case, view, measuring, *ranks)
+            particle_columns::values(case, view, instruments, *ranks)
         } else {
             Vec::new()
         };
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
-            measures: &measures,
+            row: &row,
             profile,
             particles: &records(case, state),
             wall_forces: &wall_forces,
@@ -259,7 +259,7 @@ impl<'a> Simulation<'a> {
             gas_cells: &mut gas_cells,
         };
         outputs.write(&state.clock, &mut sample, *ranks)?;
-        let found = measures.particles as u64 + state.departed.count;
+        let found = row.particles as u64 + state.departed.count;
         if found != self.expected_particles {
             let expected = self.expected_particles;
             return Err(RunError::ParticleCount { found, expected });
@@ -267,14 +267,14 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// Takes a sample for each measure that is due at this step. Collective.
+    /// Takes a sample for each instrument that is due at this step. Collective.
     fn measure_due(&mut self) -> Result<(), RunError> {
         let clock = *self.state.clock();
-        if !self.measuring.due(&clock) {
+        if !self.instruments.due(&clock) {
             return Ok(());
         }
-        let needs = self.measuring.needs(&clock);
-        let Self { case, state, work, models, profile, measuring, ranks, .. } = self;
+        let needs = self.instruments.needs(&clock);
+        let Self { case, state, work, models, profile, instruments, ranks, .. } = self;
         let state = state.synchronised(&mut work.timers);
         time_step::confirm(state, work, *ranks)?;
         if needs.contact_forces {
@@ -287,9 +287,9 @@ impl<'a> Simulation<'a> {
             None
         };
         let run = RunView { state, domain: &case.domain, models, work };
-        let series = needs.series.then(|| measure(run, profile, None, *ranks));
+        let series = needs.series.then(|| series_row(run, profile, None, *ranks));
         let view = View::new(run, profile, series.as_ref(), gas_cells.as_deref());
-        Ok(measuring.look(&clock, &view, *ranks)?)
+        Ok(instruments.look(&clock, &view, *ranks)?)
     }
 
     /// Commits the results and then writes a checkpoint, so that a run that is killed resumes from it with all results.
@@ -298,8 +298,8 @@ impl<'a> Simulation<'a> {
         let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;
         let state = confirmed(state, work, *ranks)?;
         self.outputs.commit(*ranks)?;
-        self.measuring.commit(*ranks)?;
-        let measures = self.measuring.kept(*ranks);
+        self.instruments.commit(*ranks)?;
+        let instruments = self.instruments.kept(*ranks);
         let ContactHistories { pairs, walls, .. } = state.contacts.histories(&state.particles);
         let checkpoint = Checkpoint {
             clock: state.clock,
@@ -315,7 +315,7 @@ impl<'a> Simulation<'a> {
             gas_report: state.gas.report(),
             looked_at: state.looked_at.clone(),
             energy: state.energy.as_deref().map(StoredLedger::of),
-            measures,
+            instruments,
         };
         let written = checkpoints.write(&folder.path, &checkpoint, provenance, *ranks)?;
         drop(checkpoint);

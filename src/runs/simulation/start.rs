@@ -14,7 +14,7 @@ use talcum_engine::parallel::{
 use talcum_engine::particles::{ContactHistories, CustomFields};
 use talcum_engine::state::{SizeRange, State, Workspace};
 use talcum_results::analysis::Digest;
-use talcum_results::measures::MeasureState;
+use talcum_results::instruments::InstrumentState;
 use talcum_results::output::checkpoint::{self, Checkpoint};
 use thiserror::Error;
 
@@ -76,8 +76,8 @@ pub struct InitialState {
     pub work: Workspace,
     /// Histories of its contacts.
     pub histories: ContactHistories,
-    /// Stored data of measures.
-    pub measures: Vec<MeasureState>,
+    /// Stored data of instruments.
+    pub instruments: Vec<InstrumentState>,
     /// Its origin.
     pub origin: Origin,
     /// Digest of the state of another run with which it begins, if the case requires this.
@@ -156,8 +156,8 @@ pub fn start_from_checkpoint(
         gas_report,
         looked_at,
     };
-    let measures = checkpoint.measures;
-    let mut initial = InitialState { measures, ..distribute(case, end, origin, grid, ranks)? };
+    let instruments = checkpoint.instruments;
+    let mut initial = InitialState { instruments, ..distribute(case, end, origin, grid, ranks)? };
     initial.state.energy = ledger;
     Ok(initial)
 }
@@ -289,6 +289,6 @@ fn distribute(
         snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
     let (skin, least_width) = (case.skin(&sizes), case.ghost_width(&sizes));
     let work = Workspace::new(decomposition, skin, least_width, case.parallel.balance);
-    let measures = Vec::new();
-    Ok(InitialState { state, work, histories, measures, origin, begins_with: None })
+    let instruments = Vec::new();
+    Ok(InitialState { state, work, histories, instruments, origin, begins_with: None })
 }

@@ -7,7 +7,7 @@
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, attraction, gas, law, shaken};
 use std::f64::consts::PI;
-use talcum::analysis::{BedProfile, RunView, measure};
+use talcum::analysis::{BedProfile, RunView, series_row};
 use talcum::domain::RankGrid;
 use talcum::gas::{BaseNode, DragLaw};
 use talcum::grid::ColumnGrid;
@@ -76,7 +76,7 @@ fn next_cycle(run: &mut Run) -> Cycle {
             if step % (steps / samples) == 0 {
                 let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
                 let view = RunView { state, domain, models, work };
-                let now = measure(view, &mut profile, None, *ranks);
+                let now = series_row(view, &mut profile, None, *ranks);
                 row[2] += now.grid_pressure_drop / samples as f64;
             }
         }

@@ -2,12 +2,12 @@
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, Run, law};
-use talcum::analysis::{BedProfile, Measures, RunView, measure};
+use talcum::analysis::{BedProfile, RunView, SeriesRow, series_row};
 use talcum::gas::DragLaw;
 use talcum::grid::ColumnGrid;
 
 /// Rows read off a bed at this superficial velocity, from the time on at which it is steady.
-fn rows(velocity: f64) -> Vec<Measures> {
+fn rows(velocity: f64) -> Vec<SeriesRow> {
     let mut bench = Bench::new([6.0, 6.0, 36.0], [PERIODIC, PERIODIC, PLATE]);
     bench.contact = law(2.0e4, 0.8, 0.1);
     bench.gravity.magnitude = 1.0;
@@ -24,12 +24,12 @@ fn rows(velocity: f64) -> Vec<Measures> {
     let mut read = |run: &mut Run| {
         run.steps(25);
         let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
-        measure(RunView { state, domain, models, work }, &mut profile, None, *ranks)
+        series_row(RunView { state, domain, models, work }, &mut profile, None, *ranks)
     };
     (0..1600).map(|_| read(&mut run)).collect()
 }
 
-fn mean(rows: &[Measures], of: impl Fn(&Measures) -> f64) -> f64 {
+fn mean(rows: &[SeriesRow], of: impl Fn(&SeriesRow) -> f64) -> f64 {
     rows.iter().map(of).sum::<f64>() / rows.len() as f64
 }
 

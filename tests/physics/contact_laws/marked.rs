@@ -7,7 +7,7 @@ use talcum::contact::{
     Contact, ContactForce, ContactForceLaw, ContactLaw, ContactModel, ContactStep, ContactWork,
     RollingFriction, RollingKind, StoredInContact,
 };
-use talcum::measures::View;
+use talcum::instruments::View;
 use talcum::particles::ContactHistory;
 use talcum::state::Mechanism;
 

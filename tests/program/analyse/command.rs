@@ -4,7 +4,7 @@
 use super::made::{CASE, Made};
 use crate::launch::{Ended, in_repository, talcum};
 use std::path::Path;
-use talcum::analysis::Measures;
+use talcum::analysis::SeriesRow;
 use talcum::post_processing::scalar_names;
 
 fn analyse(folder: &Path, options: &[&str]) -> Ended {
@@ -19,7 +19,7 @@ fn tables(ended: &Ended) -> &str {
 
 fn with_series() -> Made {
     let made = Made::of(CASE);
-    let row = |k: u32| Measures {
+    let row = |k: u32| SeriesRow {
         time: 0.5 * f64::from(k),
         gas_force: 1.0 + 0.1 * f64::from(k % 7),
         ..Default::default()

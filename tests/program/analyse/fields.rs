@@ -2,7 +2,7 @@
 
 use super::made::{CASE, Made, column, noise, number, reason, text};
 use std::f64::consts::{PI, TAU};
-use talcum::analysis::Measures;
+use talcum::analysis::SeriesRow;
 use talcum::post_processing::TimeWindow;
 
 fn times(count: u32, interval: f64) -> Vec<f64> {
@@ -90,7 +90,8 @@ fn the_bed_has_its_height_expansion_and_pressure_drop() {
     made.profiles(&times(101, 1.0), phi);
     // 18 over a cross-section of 25.
     let weight = 18.0 * 25.0;
-    let row = |time: f64| Measures { time, weight, grid_pressure_drop: 0.99, ..Default::default() };
+    let row =
+        |time: f64| SeriesRow { time, weight, grid_pressure_drop: 0.99, ..Default::default() };
     made.series(times(201, 0.5).into_iter().map(row));
     let found = made.find("bed", TimeWindow { from: 50.0, to: 100.0 });
     // Within a cell phi is taken as even: a tenth of the spacing of 1.5.
@@ -117,7 +118,7 @@ fn times_before_there_is_a_bed_do_not_count() {
         _ => 0.0,
     };
     made.profiles(&times(101, 1.0), phi);
-    made.series(times(201, 0.5).into_iter().map(|time| Measures { time, ..Default::default() }));
+    made.series(times(201, 0.5).into_iter().map(|time| SeriesRow { time, ..Default::default() }));
     let found = made.find("bed", TimeWindow::WHOLE);
     assert!((number(&found, "bed.height").0 - 30.0).abs() < 1.6);
     assert_eq!(column(&found, "bed/times", "time").len(), 81);
@@ -130,7 +131,7 @@ fn times_before_there_is_a_bed_do_not_count() {
 fn a_known_frequency_is_found_and_noise_has_none() {
     let made = Made::of(CASE);
     let frequency = 0.173;
-    let row = |time: f64| Measures {
+    let row = |time: f64| SeriesRow {
         time,
         gas_force: 1.0 + 0.05 * (TAU * frequency * time).sin() + 0.05 * noise(1.0, time),
         plate_stress: 0.05 * noise(2.0, time),
@@ -159,14 +160,14 @@ fn a_known_frequency_is_found_and_noise_has_none() {
 const U_MF: f64 = 0.05;
 
 /// A ramp to 0.12 and back, by Ergun's form with a quadratic part of 0.3; U_mf is a tenth higher on the way back.
-fn ramp(highest: f64, slope: f64) -> impl Iterator<Item = Measures> {
+fn ramp(highest: f64, slope: f64) -> impl Iterator<Item = SeriesRow> {
     (0..1200_u32).map(move |row| {
         let up = row < 600;
         let part = f64::from(if up { row } else { 1199 - row }) / 599.0;
         let velocity = highest * part;
         let x = velocity / if up { U_MF } else { 1.1 * U_MF };
         let time = 0.5 * f64::from(row);
-        Measures {
+        SeriesRow {
             time,
             superficial_velocity: velocity,
             grid_pressure_drop: (0.7 * x + 0.3 * x * x).min(1.0) * slope + 0.02 * noise(0.0, time),
@@ -207,7 +208,7 @@ fn a_ramp_without_a_plateau_gives_no_value_but_its_points() {
     assert!(found.notes.iter().any(|note| note.contains("output.profiles")), "{:?}", found.notes);
     // The control: no ramp at all.
     let constant = Made::of(CASE);
-    let row = |time: f64| Measures { time, superficial_velocity: 0.1, ..Default::default() };
+    let row = |time: f64| SeriesRow { time, superficial_velocity: 0.1, ..Default::default() };
     constant.series(times(50, 0.5).into_iter().map(row));
     let found = constant.find("u_mf", TimeWindow::WHOLE);
     assert!(reason(&found, "u_mf.down").contains("constant"));
@@ -222,7 +223,7 @@ fn a_vibrated_bed_is_averaged_over_its_cycle() {
         let plate_stress = 1.0 + 0.8 * (phase - 0.5 * PI).sin() + 0.1 * noise(0.0, time);
         let bed_bottom = 0.3 * (1.0 + phase.cos());
         let superficial_velocity = 0.02 + 0.005 * phase.sin();
-        Measures { time, plate_stress, bed_bottom, superficial_velocity, ..Default::default() }
+        SeriesRow { time, plate_stress, bed_bottom, superficial_velocity, ..Default::default() }
     };
     made.series(times(1600, 0.125).into_iter().map(row));
     let found = made.find("cycle", TimeWindow::WHOLE);
@@ -256,7 +257,7 @@ fn a_cycle_is_averaged_while_the_plate_vibrates_and_not_before_or_after() {
         let vibrates = time > 60.0 && time <= 160.0;
         let bed_bottom = if vibrates { 0.3 * (1.0 + phase.cos()) } else { 0.0 };
         let superficial_velocity = if vibrates { 0.02 } else { 0.0 };
-        Measures { time, bed_bottom, superficial_velocity, ..Default::default() }
+        SeriesRow { time, bed_bottom, superficial_velocity, ..Default::default() }
     };
     made.series(times(1600, 0.125).into_iter().map(row));
     let found = made.find("cycle", TimeWindow::WHOLE);

@@ -1,12 +1,12 @@
 //! Results folders made by hand, with the writers that runs use.
 
 use std::path::Path;
-use talcum::analysis::Measures;
+use talcum::analysis::SeriesRow;
 use talcum::output::{
     Head, Output, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, SnapshotFormat,
 };
 use talcum::parallel::{OneRank, ParticleRecord};
-use talcum::post_processing::{Findings, Measure, Results, TimeWindow, Value, scalar_named};
+use talcum::post_processing::{Analysis, Findings, Results, TimeWindow, Value, scalar_named};
 
 /// A column of gas, 5 x 5 x 120 diameters, periodic across; a grid of 1.5 diameters.
 pub(crate) const CASE: &str = r#"title = "Made by hand"
@@ -74,7 +74,7 @@ impl Made {
     }
 
     /// Rows of the series.
-    pub(crate) fn series(&self, rows: impl IntoIterator<Item = Measures>) {
+    pub(crate) fn series(&self, rows: impl IntoIterator<Item = SeriesRow>) {
         let path = self.path().join("series.csv");
         let mut series = Series::create(&path, self.head(), &OneRank).unwrap();
         rows.into_iter().for_each(|row| series.append(&row, &OneRank).unwrap());
@@ -109,10 +109,10 @@ impl Made {
         }
     }
 
-    /// What a measure finds within some times.
-    pub(crate) fn find(&self, measure: &str, window: TimeWindow) -> Findings {
+    /// What an analysis finds within some times.
+    pub(crate) fn find(&self, analysis: &str, window: TimeWindow) -> Findings {
         let results = Results::open(self.path(), window).unwrap();
-        Measure::named(measure).unwrap().take(&results).unwrap()
+        Analysis::named(analysis).unwrap().take(&results).unwrap()
     }
 }
 

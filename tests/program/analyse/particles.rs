@@ -127,7 +127,7 @@ fn checkpoint(step: u64, pairs: &[[u64; 2]]) -> Checkpoint {
         gas_report: GasReport::default(),
         looked_at: None,
         energy: None,
-        measures: Vec::new(),
+        instruments: Vec::new(),
     }
 }
 

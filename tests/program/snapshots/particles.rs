@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{check_by_vtk, head, time};
 use bytemuck::Zeroable;
+use talcum::fields::{Column, Unit};
 use talcum::output::readers::ParticleSnapshotReader;
 use talcum::output::{
     Output, ParticleSnapshots, PointColumn, Provenance, SnapshotFormat, SnapshotStorage,
@@ -43,11 +44,13 @@ fn append(snapshots: &mut ParticleSnapshots, step: usize, ranks: &dyn Communicat
 
 /// Mass, a vector and a whole number beside what is always shown.
 fn columns() -> Vec<PointColumn> {
-    let column = |name, width, is_whole| {
-        let (unit, description) = ("1", "of a test");
-        PointColumn { name, width, is_whole, unit, description }
-    };
-    vec![column("mass", 1, false), column("force", 3, false), column("class", 1, true)]
+    let (unit, meaning) = (Unit::One, "of a test");
+    let column = |column, is_whole| PointColumn { column, is_whole };
+    vec![
+        column(Column::scalar("mass", unit, meaning), false),
+        column(Column::vector("force", unit, meaning), false),
+        column(Column::scalar("class", unit, meaning), true),
+    ]
 }
 
 fn compressed() -> SnapshotFormat {

@@ -6,18 +6,18 @@ mod terminal;
 mod visitors;
 
 use crate::analyse::made::{CASE, Made};
-use talcum::analysis::Measures;
+use talcum::analysis::SeriesRow;
 
 /// A bed whose top rises from 40, with rows up to a time.
 fn made(last: u32) -> Made {
     let made = Made::of(CASE);
-    made.series((0..=last).map(|time| Measures {
+    made.series((0..=last).map(|time| SeriesRow {
         time: f64::from(time),
         grid_pressure_drop: 0.98,
         bed_top: 40.0 + 0.5 * f64::from(time),
         fluctuating_kinetic_energy: 2.0,
         particles: 500.0,
-        ..Measures::default()
+        ..SeriesRow::default()
     }));
     made
 }

@@ -5,6 +5,7 @@ use super::gas::highest_velocity;
 use super::lines::Lines;
 use super::partners::Partners;
 use talcum_engine::contact::{Softening, pull_off_force, work_of_parting};
+use talcum_engine::fields::Unit;
 use talcum_engine::rules::{LARGEST_SPRING_PART, WorkOfParting};
 use talcum_results::output::ColumnUnits;
 use talcum_runs::case::{Case, Stage};
@@ -32,7 +33,7 @@ fn describe_impacts(
     velocity: Option<f64>,
     case: &Case,
 ) {
-    let unit = ColumnUnits::of_system(case.units.name()).speed;
+    let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Speed);
     let reduced_mass = partners.bodies.mass;
     let mut text = format!("below {:.4e} {unit}", (2.0 * work / reduced_mass).sqrt());
     if let Some(velocity) = velocity.filter(|&velocity| velocity > 0.0) {
@@ -60,13 +61,14 @@ fn describe(
         let force = pull_off_force(&contact.law, *bodies, attraction);
         let text = format!(
             "{force:.4e} {}, {:.4} of the weight of a particle",
-            units.force,
+            units.of(Unit::Force),
             force / weight
         );
         lines.add(&format!("pull-off force{name}"), &text);
     }
     let real = work_of_real_particles(partners, &softened);
-    let mut text = format!("{:.4e} {}, {}", softened.total(), units.energy, spring_part(&softened));
+    let mut text =
+        format!("{:.4e} {}, {}", softened.total(), units.of(Unit::Energy), spring_part(&softened));
     if let (Some(real), Some(softening)) = (&real, contact.softening) {
         text += &if real.surface > 0.0 {
             format!("; at the real stiffness {:.3}", real.spring_part())

@@ -3,6 +3,7 @@
 use super::lines::Lines;
 use std::f64::consts::PI;
 use talcum_engine::contact::{ContactForceLaw, overlap_under};
+use talcum_engine::fields::Unit;
 use talcum_engine::gas::GasModel;
 use talcum_engine::gas::volume_averaged::VolumeAveragedModel;
 use talcum_engine::parallel::Communicator;
@@ -54,7 +55,7 @@ impl BedAtRest {
         if case.stages.iter().all(|stage| stage.physics.gravity.magnitude == 0.0) {
             return;
         }
-        let length = ColumnUnits::of_system(case.units.name()).length;
+        let length = ColumnUnits::of_system(case.units.name()).of(Unit::Length);
         let layers = self.height / sizes.largest_diameter;
         let text = format!(
             "about {:.4e} {length} high, {layers:.1} layers, at a solids fraction of {POURED}",
@@ -127,7 +128,7 @@ impl BedAtRest {
         if speed > 0.0 {
             // The overlap of a linear spring: v sqrt(m* / k), with pi sqrt(m* / k) the duration of a contact.
             let overlap = speed * law.contact_duration(bodies.mass, bodies.radius) / PI / diameter;
-            let unit = ColumnUnits::of_system(case.units.name()).speed;
+            let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Speed);
             let when = format!(" at {speed:.4e} {unit}");
             tell(lines, "overlap of an impact", [overlap, IN_IMPACT], &when);
         }

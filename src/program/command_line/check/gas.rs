@@ -2,6 +2,7 @@
 
 use super::lines::Lines;
 use super::particle::ReferenceParticle;
+use talcum_engine::fields::Unit;
 use talcum_engine::gas::volume_averaged::{CouplingModel, VolumeAveragedModel};
 use talcum_engine::gas::{AgglomerateBall, AgglomerateDrag, DragShare, Drive, GasModel};
 use talcum_engine::rules::{archimedes_number, excess_of_lone_fall, stokes_number};
@@ -174,7 +175,7 @@ fn describe_densities(lines: &mut Lines, [gas, solid]: [f64; 2]) {
 }
 
 fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
-    let unit = ColumnUnits::of_system(case.units.name()).speed;
+    let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Speed);
     let at = |phi: f64| Some((phi, case.minimum_fluidisation(stage, phi)?));
     let minimum: Vec<(f64, f64)> = SETTLED.into_iter().filter_map(at).collect();
     if minimum.is_empty() {

@@ -21,6 +21,7 @@ use std::fmt::Write;
 use std::path::Path;
 use talcum_engine::contact::Kept;
 use talcum_engine::domain::{Face, Wall, WallMotion, WallShape};
+use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 use talcum_engine::state::SizeRange;
 use talcum_results::output::ColumnUnits;
@@ -78,7 +79,7 @@ fn describe_trials(case: &Case, trials: &Trials, ranks: &dyn Communicator) -> St
 /// Describes the bodies of the run if they are parcels.
 fn describe_parcels(message: &mut String, case: &Case) {
     let Some(parcels) = &case.coarse_graining else { return };
-    let unit = ColumnUnits::of_system(case.units.name()).length;
+    let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Length);
     let diameter = case.particle_diameter(case.particles.reference_diameter);
     let kept = match parcels.keeps {
         Kept::Strength => {
@@ -107,7 +108,7 @@ fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
         six_digits(lengths.x),
         six_digits(lengths.y),
         six_digits(lengths.z),
-        ColumnUnits::of_system(case.units.name()).length,
+        ColumnUnits::of_system(case.units.name()).of(Unit::Length),
         in_diameters.x,
         in_diameters.y,
         in_diameters.z

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use talcum_engine::contact::{ContactForceLaw, ContactLaw, VanDerWaals};
 use talcum_engine::domain::Vibration;
+use talcum_engine::fields::Unit;
 use talcum_engine::gas::volume_averaged::VolumeAveragedModel;
 use talcum_engine::gas::{ColumnGas, Drive, GasModel};
 use talcum_engine::rules::{
@@ -116,7 +117,7 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
 /// Describes the duration of contacts of the lightest particles of each species: with each other, and with walls that
 /// have another law.
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
-    let unit = ColumnUnits::of_system(case.units.name()).time;
+    let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Time);
     let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
         let duration = law.contact_duration(bodies.mass, bodies.radius);
         let steps = duration / stage.physics.time_step;

@@ -66,15 +66,15 @@ struct Analysed {
 impl Analysed {
     /// The findings of its measure on a run.
     fn findings(&self, results: &Path) -> Result<Rc<post_processing::Findings>, OutputError> {
-        let measure = self.scalar.measure;
-        let key = (results.to_owned(), measure.name, self.window.to_string());
+        let analysis = self.scalar.analysis;
+        let key = (results.to_owned(), analysis.name, self.window.to_string());
         if let Some(found) = self.found.borrow().get(&key) {
             return Ok(Rc::clone(found));
         }
         let whole = Results::open(results, TimeWindow::WHOLE)?;
         let (from, to) = self.window.bounds(whole.last_time()?);
         let results = Results::open(results, TimeWindow { from, to })?.of_complete_run();
-        let found = Rc::new(measure.take(&results)?);
+        let found = Rc::new(analysis.take(&results)?);
         self.found.borrow_mut().insert(key, Rc::clone(&found));
         Ok(found)
     }
@@ -102,7 +102,7 @@ impl Quantity for Analysed {
     }
 
     fn impossible(&self, run: &RunOutline) -> Option<String> {
-        run.impossible.get(self.scalar.measure.name).cloned()
+        run.impossible.get(self.scalar.analysis.name).cloned()
     }
 
     fn texts(&self) -> Option<&'static [&'static str]> {

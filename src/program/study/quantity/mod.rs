@@ -4,7 +4,7 @@
 //! in its list `measures`, say which. A [`Registry`] makes them.
 
 mod analysis;
-mod case_measures;
+mod case_instruments;
 mod reduction;
 mod series;
 mod window;
@@ -16,7 +16,7 @@ pub(crate) use window::Window;
 use crate::study::problem::error_at;
 use crate::study::run_outline::RunOutline;
 use analysis::Analysis;
-use case_measures::ResultStatistic;
+use case_instruments::ResultStatistic;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use talcum_engine::schema::{self, Key, Word};
@@ -32,7 +32,7 @@ const SOURCES: &[Word] = &[
     Word::with(
         "case",
         "a statistic of what the run measured itself, by a section `[measure.NAME]` of its case",
-        case_measures::KEYS,
+        case_instruments::KEYS,
     ),
     Word::with("analysis", "what `talcum analyse` measures on the results", analysis::KEYS),
 ];
@@ -124,7 +124,7 @@ impl Registry {
     /// result is then `None`.
     pub(crate) fn read(&self, section: &Section<'_>) -> Option<Box<dyn Quantity>> {
         match section.word("source")? {
-            "case" => case_measures::read(section),
+            "case" => case_instruments::read(section),
             "analysis" => self.0.read(section),
             _ => series::read(section),
         }

@@ -6,14 +6,18 @@ use super::{Measured, Quantity};
 use crate::study::run_outline::RunOutline;
 use std::path::Path;
 use talcum_engine::schema::{Key, Kind};
-use talcum_results::analysis::Measures;
+use talcum_results::analysis::SeriesRow;
 use talcum_results::output::OutputError;
 use talcum_results::output::readers::SeriesTable;
 use talcum_runs::input::{Section, advice};
 
 /// The columns of `series.csv`, without `time`.
 fn series_columns() -> Vec<&'static str> {
-    Measures::COLUMNS.iter().map(|column| column.name).filter(|name| *name != "time").collect()
+    SeriesRow::COLUMNS
+        .iter()
+        .map(|known| known.column.name)
+        .filter(|name| *name != "time")
+        .collect()
 }
 
 /// Keys of the source `series`.

@@ -5,7 +5,7 @@
 //! so that the file does not depend on the number of ranks.
 
 use crate::analysis::{Digest, Pair, StateRecords};
-use crate::measures::MeasureState;
+use crate::instruments::InstrumentState;
 use talcum_engine::parallel::{
     CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
@@ -13,7 +13,7 @@ use talcum_engine::particles::CustomFields;
 use talcum_engine::state::{Clock, Departed, EnergyLedger, GasReport, SizeRange, StoredEnergy};
 
 mod folder;
-mod measures;
+mod instruments;
 mod read;
 mod schema;
 mod write;
@@ -55,8 +55,8 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub looked_at: Option<Vec<Pair>>,
     /// The energy ledger, if one is kept. It is not part of the state or of its digest.
     pub energy: Option<StoredLedger>,
-    /// Data of measures; the digest does not include them.
-    pub measures: Vec<MeasureState>,
+    /// Data of instruments; the digest does not include them.
+    pub instruments: Vec<InstrumentState>,
 }
 
 /// An energy ledger in its stored form.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::measures::{self, MeasureHead};
+use super::instruments::{self, InstrumentHead};
 use super::schema::{
     FIRST_WITH_DIGEST, FORMAT, FieldsInFile, LEDGER, VERSION, fields_in_file, has, own_names,
     path_of,
@@ -34,7 +34,7 @@ struct Head {
     cells: Option<TableInFile>,
     /// `None` if drag does not depend on agglomerates.
     looked_at: Option<TableInFile>,
-    measures: Vec<MeasureHead>,
+    instruments: Vec<InstrumentHead>,
 }
 
 /// The rows of a record in a file, and the fields that it has.
@@ -80,7 +80,8 @@ pub(super) fn read_whole(
     if let Some(pairs) = &head.looked_at {
         checkpoint.looked_at = Some(read_rows(&file, pairs, ranks)?);
     }
-    checkpoint.measures = measures::read(&file, head.measures, |rows| share_of(rows, ranks))?;
+    checkpoint.instruments =
+        instruments::read(&file, head.instruments, |rows| share_of(rows, ranks))?;
     file.close()?;
     let digest = checkpoint.digest(ranks);
     let same = head.version < FIRST_WITH_DIGEST || digest.to_string() == head.digest;
@@ -111,7 +112,7 @@ fn read_head(path: &Path) -> MessageResult<Head> {
         provenance: read_provenance(&file)?,
         digest: file.text("/", "digest")?,
         version,
-        measures: measures::read_heads(&file)?,
+        instruments: instruments::read_heads(&file)?,
         particles,
         contacts: table_in_file::<ContactRecord>(&file)?,
         wall_contacts: table_in_file::<WallContactRecord>(&file)?,
@@ -153,7 +154,7 @@ fn read_small(file: &SerialFile, particles: u64) -> MessageResult<Checkpoint> {
         wall_contacts: Vec::new(),
         cells: Vec::new(),
         looked_at: None,
-        measures: Vec::new(),
+        instruments: Vec::new(),
         gas_report: if has(file, "/", "gas") { read_report(file)? } else { GasReport::default() },
         energy: if has(file, "/", "energy") { read_ledger(file)? } else { None },
     })

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::schema::{
     FORMAT, FieldsInFile, LEDGER, VERSION, custom_fields_in_use, fields_in_use, has, path_of,
 };
-use super::{Checkpoint, measures};
+use super::{Checkpoint, instruments};
 use crate::analysis::{Digest, Pair};
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
@@ -47,7 +47,7 @@ pub fn write(
     let rows =
         [particles.count(), contacts.len(), wall_contacts.len(), cells.len(), looked_at.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
-    let kept = measures::row_counts(&checkpoint.measures, ranks);
+    let kept = instruments::row_counts(&checkpoint.instruments, ranks);
     let of_particles = fields_in_use(particles, ranks);
     let custom_in_use = custom_fields_in_use(&checkpoint.custom, ranks);
     let of_contacts = fields_in_use(contacts, ranks);
@@ -60,19 +60,19 @@ pub fn write(
         write_head(&file, checkpoint, provenance, digest)?;
         write_ledger(&file, checkpoint.energy.as_ref().map(|ledger| &ledger.start), sums)?;
         let units = ColumnUnits::of_system(&provenance.units);
-        make_datasets::<ParticleRecord>(&file, rows[0], &units, &of_particles)?;
+        make_datasets::<ParticleRecord>(&file, rows[0], units, &of_particles)?;
         for &field in &custom_in_use {
             let field = &checkpoint.custom.fields[field];
-            make_dataset::<ParticleRecord>(&file, rows[0], &units, field)?;
+            make_dataset::<ParticleRecord>(&file, rows[0], units, field)?;
         }
-        make_datasets::<ContactRecord>(&file, rows[1], &units, &of_contacts)?;
-        make_datasets::<WallContactRecord>(&file, rows[2], &units, &of_wall_contacts)?;
-        make_datasets::<CellRecord>(&file, rows[3], &units, &of_cells)?;
+        make_datasets::<ContactRecord>(&file, rows[1], units, &of_contacts)?;
+        make_datasets::<WallContactRecord>(&file, rows[2], units, &of_wall_contacts)?;
+        make_datasets::<CellRecord>(&file, rows[3], units, &of_cells)?;
         if pairs.is_some() {
             file.make_group(Pair::GROUP)?;
-            make_datasets::<Pair>(&file, rows[4], &units, &[])?;
+            make_datasets::<Pair>(&file, rows[4], units, &[])?;
         }
-        measures::make(&file, &checkpoint.measures, &kept)?;
+        instruments::make(&file, &checkpoint.instruments, &kept)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
@@ -85,7 +85,7 @@ pub fn write(
         if pairs.is_some() {
             write_table(&file, &looked_at, &Vec::new(), ranks)?;
         }
-        measures::write(&file, &checkpoint.measures, ranks)?;
+        instruments::write(&file, &checkpoint.instruments, ranks)?;
         file.close()
     });
     written?;
@@ -186,7 +186,7 @@ fn write_ledger(
 fn make_datasets<R: Record>(
     file: &SerialFile,
     rows: Rows,
-    units: &ColumnUnits,
+    units: ColumnUnits,
     fields: &[(usize, &'static Field)],
 ) -> MessageResult<()> {
     for id in R::IDS {
@@ -199,10 +199,10 @@ fn make_datasets<R: Record>(
 fn make_dataset<R: Record>(
     file: &SerialFile,
     rows: Rows,
-    units: &ColumnUnits,
+    units: ColumnUnits,
     field: &Field,
 ) -> MessageResult<()> {
-    let (name, unit) = (&*path_of::<R>(field.name), units.of_unit(field.unit));
+    let (name, unit) = (&*path_of::<R>(field.name), units.of(field.unit));
     let head = TableHead { name, width: field.width(), unit, description: field.meaning };
     file.make_table::<f64>(&head, rows)
 }

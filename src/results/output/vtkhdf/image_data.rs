@@ -2,13 +2,14 @@
 
 use super::table::{Dataset, FileTable, FileType, ImageCells, data_offsets};
 use crate::output::{ColumnUnits, SnapshotStorage};
+use talcum_engine::fields::Unit;
 
 /// The file of fields on cells; each dataset is described as that of one cell.
 pub(crate) fn image_table(
     cells: ImageCells,
     fields: impl IntoIterator<Item = Dataset>,
     storage: SnapshotStorage,
-    units: &ColumnUnits,
+    units: ColumnUnits,
 ) -> FileTable {
     let [nx, ny, nz] = cells.counts;
     let of_all = |field: Dataset| {
@@ -18,7 +19,7 @@ pub(crate) fn image_table(
     let data = "CellData";
     let mut datasets: Vec<Dataset> = fields.into_iter().map(of_all).collect();
     datasets.extend(data_offsets(data, &datasets, "index of VTKHDF, one for each time"));
-    datasets.push(Dataset::times(units.time, "times of the snapshots"));
+    datasets.push(Dataset::times(units.of(Unit::Time), "times of the snapshots"));
     let file_type = FileType::ImageData(cells);
     FileTable { file_type, data, counts: None, piece: 1, storage, datasets }
 }

@@ -3,6 +3,7 @@
 use crate::output::hdf5_file::SerialFile;
 use crate::output::table::{Rows, TableHead};
 use crate::output::{ColumnUnits, MessageResult, SnapshotStorage};
+use talcum_engine::fields::Column;
 
 /// Rows of indices that are stored as one piece.
 const INDEX_PIECE: usize = 256;
@@ -106,11 +107,8 @@ pub(crate) enum Term {
 
 /// A column of the items of a file, taken from their records.
 pub(crate) struct RecordColumn<T> {
-    /// Its path below `/VTKHDF`.
-    pub(crate) name: &'static str,
-    pub(crate) width: usize,
-    pub(crate) unit: fn(&ColumnUnits) -> &'static str,
-    pub(crate) description: &'static str,
+    /// What it is; its name is the path below `/VTKHDF`.
+    pub(crate) column: Column,
     pub(crate) of: fn(&T) -> &[f64],
 }
 
@@ -121,9 +119,9 @@ impl<T> RecordColumn<T> {
     }
 
     /// Its dataset.
-    pub(crate) fn dataset(&self, units: &ColumnUnits) -> Dataset {
-        let (unit, description) = ((self.unit)(units), self.description);
-        Dataset::of_items(self.name, Numbers::Real, self.width, unit, description)
+    pub(crate) fn dataset(&self, units: ColumnUnits) -> Dataset {
+        let Column { name, unit, meaning, .. } = self.column;
+        Dataset::of_items(name, Numbers::Real, self.column.width(), units.of(unit), meaning)
     }
 }
 

@@ -5,7 +5,7 @@ mod coarse_graining;
 mod contact;
 mod forces;
 mod gas;
-mod measures;
+mod instruments;
 mod particles;
 mod results;
 mod species;
@@ -17,7 +17,7 @@ pub(super) use forces::{COHESION, GRAVITY, VIBRATION};
 #[cfg(test)]
 pub(super) use gas::FACES;
 pub(super) use gas::GAS;
-pub(super) use measures::MEASURE;
+pub(super) use instruments::MEASURE;
 pub(super) use particles::PARTICLES;
 pub(super) use results::{CHECKPOINT, OUTPUT, PARALLEL, RUN};
 pub(super) use species::{PAIR, SPECIES};
@@ -85,7 +85,7 @@ const CHAPTERS: &[Chapter] = &[
     time::CHAPTER,
     time::STAGE_CHAPTER,
     results::OUTPUT_CHAPTER,
-    measures::CHAPTER,
+    instruments::CHAPTER,
     results::CHECKPOINT_CHAPTER,
     results::RUN_CHAPTER,
     results::PARALLEL_CHAPTER,
