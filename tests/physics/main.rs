@@ -10,6 +10,7 @@ mod energy;
 mod energy_ledger;
 mod gas_column;
 mod integrator_order;
+mod limited_walls;
 mod measures;
 mod measures_never_panic;
 mod minimum_fluidisation;
