@@ -11,6 +11,7 @@ mod energy_ledger;
 mod gas_column;
 mod instruments;
 mod integrator_order;
+mod limited_walls;
 mod measures_never_panic;
 mod minimum_fluidisation;
 mod plenum;

@@ -19,6 +19,10 @@ pub(crate) struct WallWork {
     pub(crate) work: ContactWork,
     /// Force on the wall at the end of the step.
     pub(crate) force: Vector3<f64>,
+    /// Torque on the wall about the point of contact, of resistance to rolling and twisting.
+    pub(crate) couple: Vector3<f64>,
+    /// The point of contact.
+    pub(crate) point: Vector3<f64>,
 }
 
 /// Work of the contacts of a group of pairs over a step; histories are those before the step, positions those at its
@@ -48,11 +52,12 @@ pub(crate) fn work_of_walls(
     mut sink: impl FnMut(WallWork),
 ) {
     for slot in 0..contacts.wall_pairs.len() {
-        let WallContact { wall, contact, before, model } =
+        let WallContact { wall, contact, point, before, model } =
             wall_contact(particles, contacts, walls, laws, slot);
         let (work, force) = work_over_step(model, &contact, before, laws.dt).unwrap_or_default();
         let total = total_force(&contact, force.normal, force.tangential);
-        sink(WallWork { wall, work, force: laws.force_quantum.round_vector(total) });
+        let (force, couple) = (laws.force_quantum.round_vector(total), force.couple);
+        sink(WallWork { wall, work, force, couple, point });
     }
 }
 
@@ -60,6 +65,7 @@ pub(crate) fn work_of_walls(
 struct WallContact<'a> {
     wall: usize,
     contact: Contact,
+    point: Vector3<f64>,
     before: Option<ContactState>,
     model: &'a ContactModel,
 }
@@ -74,10 +80,15 @@ fn wall_contact<'a>(
     let pair = &contacts.wall_pairs[slot];
     let (particle, wall) = (pair.particle as usize, pair.wall as usize);
     let (body, pose) = (&walls.walls[wall], &walls.poses[wall]);
-    let at_wall = laws.at_wall(wall, particles.body[particle].species());
+    let (at_wall, centre) = (
+        laws.at_wall(wall, particles.body[particle].species()),
+        &particles.body[particle].position,
+    );
+    let contact = contact_with(body, pose, particles, particle, at_wall.cohesion);
     WallContact {
         wall,
-        contact: contact_with(body, pose, particles, particle, at_wall.cohesion),
+        contact,
+        point: centre + contact.normal * body.height_at(centre, pose),
         before: contacts.wall_touching[slot].then(|| contacts.wall_state[slot]),
         model: at_wall.contact,
     }
@@ -88,6 +99,8 @@ fn wall_contact<'a>(
 struct LawForce {
     normal: f64,
     tangential: Vector3<f64>,
+    /// Torque on the second body of resistance to rolling and twisting.
+    couple: Vector3<f64>,
 }
 
 /// Work of a contact over a step, and its force at the end; `None` if the bodies touch neither before nor after.
@@ -114,11 +127,13 @@ fn work_over_step(
         began: !touched,
         dt,
     });
+    let mut couple = Vector3::zeros();
     if let Some(rolling) = rolling {
         let stiffness = law.stiffness_over(contact, dt);
         let angle_before = Vector3::from(before.rolling_angle);
         let mut angle = angle_before;
         let torque = rolling.torque(contact, force.friction_normal, stiffness, &mut angle, dt);
+        couple += torque;
         let angles = [angle_before, angle];
         work = work + rolling.work(contact, stiffness, angles, torque, dt);
     }
@@ -126,10 +141,11 @@ fn work_over_step(
         let stiffness = law.stiffness_over(contact, dt);
         let mut angle = before.twisting_angle;
         let torque = twisting.torque(contact, force.friction_normal, stiffness, &mut angle, dt);
+        couple += contact.normal * torque;
         let angles = [before.twisting_angle, angle];
         work = work + twisting.work(contact, stiffness, angles, torque, dt);
     }
-    Some((work, LawForce { normal: force.normal, tangential: force.tangential }))
+    Some((work, LawForce { normal: force.normal, tangential: force.tangential, couple }))
 }
 
 /// Work of a contact that ends in a step: the energy that its springs still hold is lost.

@@ -13,4 +13,7 @@ pub use box_face::BoxFace;
 pub use decomposition::{Decomposition, RankGrid};
 pub use gravity::{EffectiveGravity, Vibration};
 pub use subdomain::Subdomain;
-pub use walls::{PosedWalls, Wall, WallMotion, WallPose, WallShape};
+pub use walls::{
+    Axis, Bend, FromSurface, PosedWalls, Side, Surface, Turn, Wall, WallMotion, WallPose,
+    WallRotation, WallShape,
+};

@@ -59,9 +59,8 @@ impl NeighbourList {
     /// Whether a wall has moved more than half the skin towards particles since the list was built.
     pub fn outdated_by_walls(&self, walls: PosedWalls<'_>, range: ListRange) -> bool {
         let moved = walls.iter().zip(&self.reference_poses);
-        let displacement = |((wall, now), then): ((&Wall, &WallPose), &WallPose)| {
-            wall.approach(&(now.displacement - then.displacement))
-        };
+        let displacement =
+            |((wall, now), then): ((&Wall, &WallPose), &WallPose)| wall.approach(then, now);
         !moved.map(displacement).all(|displacement| displacement < 0.5 * range.skin)
     }
 

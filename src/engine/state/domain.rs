@@ -1,6 +1,7 @@
 //! The space in which a run takes place.
 
-use crate::domain::{Bounds, BoxFace, Face, Wall, WallShape};
+use crate::domain::{Bounds, BoxFace, Face, Side, Wall, WallShape};
+use nalgebra::Vector3;
 
 /// The box and its walls, which do not change during a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,10 +20,19 @@ impl Domain {
         Self { bounds, walls }
     }
 
+    /// Whether the middle of a particle of an initial bed may lie at a point, whatever its distance from the walls: in
+    /// one of the rooms that hold the bed, if there are any, and in none that must stay empty.
+    pub fn may_hold_bed(&self, point: &Vector3<f64>) -> bool {
+        let walls_of = |side: Side| self.walls.iter().filter(move |wall| wall.side == side);
+        let is_in = |wall: &Wall| wall.surrounds(point);
+        let needs_room = walls_of(Side::Inside).next().is_some();
+        (!needs_room || walls_of(Side::Inside).any(is_in)) && !walls_of(Side::Outside).any(is_in)
+    }
+
     /// Horizontal cross-section available to particles, of the box or of a narrower round column; area.
     pub fn cross_section(&self) -> f64 {
         let area = |wall: &Wall| match wall.shape {
-            WallShape::Plane { .. } => f64::INFINITY,
+            WallShape::Plane { .. } | WallShape::Limited(_) => f64::INFINITY,
             WallShape::Cylinder { radius, .. } => std::f64::consts::PI * radius * radius,
         };
         self.walls.iter().map(area).fold(self.bounds.cross_section(), f64::min)

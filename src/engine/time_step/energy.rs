@@ -8,7 +8,7 @@ use super::laws::force_laws;
 use crate::contact::{
     ContactWork, ForceLaws, WallWork, attraction_energy, elastic_energy, work_of_walls,
 };
-use crate::domain::PosedWalls;
+use crate::domain::{PosedWalls, WallPose};
 use crate::particles::{GAS_FORCE, Particles};
 use crate::state::{Domain, EnergyLedger, Mechanism, Models, State, StoredSums, Workspace};
 use nalgebra::Vector3;
@@ -42,12 +42,15 @@ pub(super) fn before_forces(
     ledger.next_evaluation();
     let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
     let step = models.physics.time_step;
-    work_of_walls(particles, contacts, walls, laws, |WallWork { wall, work, force }| {
+    let now: Vec<WallPose> = domain.walls.iter().map(|wall| wall.pose(clock.time(), 0.0)).collect();
+    work_of_walls(particles, contacts, walls, laws, |of_contact| {
+        let WallWork { wall, work, force, couple, point } = of_contact;
         if laws.dt > 0.0 {
             add_contact_work(ledger, work);
         }
-        let velocity = domain.walls[wall].motion.velocity_at(clock.time());
-        let power = -force.dot(&velocity);
+        let pose = &now[wall];
+        let turning = couple.dot(&pose.angular_velocity());
+        let power = -(force.dot(&pose.velocity_at(&point)) + turning);
         if power != 0.0 {
             ledger.add_power(Mechanism::Walls, power * step);
         }

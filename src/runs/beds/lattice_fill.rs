@@ -72,13 +72,14 @@ fn wanted(plan: &BedPlan<'_>, room: f64) -> Result<f64, BedProblem> {
     }
 }
 
-/// Whether a particle of this site, wherever it is displaced to, could touch a wall.
+/// Whether this site is outside the rooms of the bed, or a particle there, wherever it is displaced to, could touch a wall.
 fn behind_wall(plan: &BedPlan<'_>, site: [f64; 3], radius: f64, displacements: &[f64; 3]) -> bool {
     let site = Vector3::from(site);
-    plan.domain.walls.iter().any(|wall| {
-        let towards = wall.approach_within(displacements);
-        wall.height_of(&site) < (radius + towards) * (1.0 - ROUNDING)
-    })
+    !plan.domain.may_hold_bed(&site)
+        || plan.domain.walls.iter().any(|wall| {
+            let towards = wall.approach_within(displacements);
+            wall.height_of(&site) < (radius + towards) * (1.0 - ROUNDING)
+        })
 }
 
 impl Sites {

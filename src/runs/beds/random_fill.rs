@@ -119,6 +119,7 @@ fn place(
         });
         let touches = |wall: &Wall| wall.height_of(&position) < radius;
         let sphere = Sphere { position: position.into(), ..sphere };
+        let is_inside = is_inside && plan.domain.may_hold_bed(&position);
         if is_inside && !plan.domain.walls.iter().any(touches) && is_free(&sphere) {
             return Some(sphere);
         }

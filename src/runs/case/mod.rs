@@ -31,6 +31,7 @@ mod sizes;
 mod species;
 mod stage;
 mod stages;
+mod surfaces;
 mod units;
 mod volume_averaged;
 mod walls;

@@ -105,7 +105,7 @@ fn read_column(
     let round: Vec<_> = walls
         .filter_map(|wall| match wall.shape {
             WallShape::Cylinder { centre, radius } => Some((wall, centre, radius)),
-            WallShape::Plane { .. } => None,
+            WallShape::Plane { .. } | WallShape::Limited(_) => None,
         })
         .collect();
     let [(wall, centre, radius)] = round[..] else {

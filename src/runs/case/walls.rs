@@ -1,10 +1,12 @@
 //! The walls: those in faces of the box, and those of the case.
 
 use super::boxes::{AXES, read_bounds};
+use super::schema::SHAPES;
+use super::surfaces::{read_rotation, read_side, read_surface};
 use super::{Case, Stage};
 use crate::input::{Node, Problems, Section};
 use nalgebra::Vector3;
-use talcum_engine::domain::{Bounds, BoxFace, Wall, WallMotion, WallShape};
+use talcum_engine::domain::{Bounds, BoxFace, Side, Surface, Wall, WallMotion, WallShape};
 use talcum_engine::gas::GasModel;
 use talcum_engine::rules::speed_limit;
 use talcum_engine::state::Domain;
@@ -56,21 +58,30 @@ enum Entry {
 
 fn read_wall(section: &Section<'_>) -> Option<Entry> {
     let motion = read_motion(section);
-    match section.given(&["normal", "radius", "face"])? {
-        "face" => {
-            let face = section.word("face").and_then(BoxFace::named)?;
-            Some(Entry::Face { face, motion: motion? })
+    let given = section.given(&SHAPES)?;
+    if given == "face" {
+        let face = section.word("face").and_then(BoxFace::named)?;
+        if section.has("rotation") {
+            section
+                .fail("rotation", "a wall in a face of the box cannot turn: use a disc in the box");
         }
-        kind => {
-            let shape = if kind == "radius" { read_cylinder(section) } else { read_plane(section) };
-            Some(Entry::Own(Wall {
-                name: section.text("name")?,
-                face: None,
-                shape: shape?,
-                motion: motion?,
-            }))
-        }
+        return Some(Entry::Face { face, motion: motion? });
     }
+    let (shape, side) = match given {
+        "radius" => (read_cylinder(section), Side::Both),
+        "normal" => (read_plane(section), Side::Both),
+        _ => {
+            let table = section.table(given)?;
+            let surface = read_surface(given, &table).map(WallShape::Limited);
+            (surface, read_side(given, &table))
+        }
+    };
+    let wall = Wall { side, ..Wall::of_shape(section.text("name")?, shape?) };
+    let rotation = match section.table("rotation") {
+        Some(table) => Some(read_rotation(&table, &wall)?),
+        None => None,
+    };
+    Some(Entry::Own(Wall { motion: motion?, rotation, ..wall }))
 }
 
 fn read_plane(section: &Section<'_>) -> Option<WallShape> {
@@ -124,9 +135,10 @@ fn move_face(
 
 /// Checks that walls are periodic where the box is.
 fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems) {
-    let across = (0..3).filter(|&axis| bounds.is_periodic(axis)).find(|&axis| match wall.shape {
+    let across = (0..3).filter(|&axis| bounds.is_periodic(axis)).find(|&axis| match &wall.shape {
         WallShape::Plane { normal, .. } => normal[axis] != 0.0,
         WallShape::Cylinder { .. } => axis < 2,
+        WallShape::Limited(surface) => !reaches_through(wall, surface, bounds, axis),
     });
     let Some(axis) = across.map(|axis| AXES[axis]) else { return };
     problems.add(node.error(match wall.shape {
@@ -136,7 +148,20 @@ fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems
         WallShape::Cylinder { .. } => format!(
             "needs a box that is not periodic along {axis}: box.{axis} = \"stop\", for example"
         ),
+        WallShape::Limited(_) => format!(
+            "must reach from one face of the box to the other along {axis}, parallel to it, since the box is periodic \
+             along {axis}; or make the box {axis} = \"stop\", for example"
+        ),
     }));
+}
+
+/// Whether a surface is the same everywhere along a periodic axis of the box, and stays so as it moves.
+fn reaches_through(wall: &Wall, surface: &Surface, bounds: &Bounds, axis: usize) -> bool {
+    let stays = wall.rotation.is_none_or(|rotation| surface.is_symmetric_about(&rotation.axis));
+    let moves_along = wall.motion.velocity[axis] != 0.0 || wall.motion.amplitude[axis] != 0.0;
+    let length = bounds.lengths()[axis];
+    let covers = |[lower, upper]: [f64; 2]| lower <= 0.0 && length <= upper;
+    stays && !moves_along && surface.uniform_range(axis).is_some_and(covers)
 }
 
 /// Errors of walls for particles with this smallest diameter and for the gas: (key, message).
@@ -145,6 +170,9 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
     let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.physics.time_step);
     let limit = case.stages.iter().map(fastest).fold(f64::INFINITY, f64::min);
     let with_gas = case.stages.iter().any(|stage| stage.physics.gas != GasModel::None);
+    let is_volume_averaged =
+        |stage: &Stage| matches!(stage.physics.gas, GasModel::VolumeAveraged(_));
+    let with_volume_averaged_gas = case.stages.iter().any(is_volume_averaged);
     let is_column = |stage: &Stage| matches!(stage.physics.gas, GasModel::Column(_));
     let with_column_gas = case.stages.iter().any(is_column);
     for wall in &case.domain.walls {
@@ -154,6 +182,13 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
                 "{name:?} moves at {speed:.3e} towards particles (limit {limit:.3e}: a tenth of the \
                  smallest diameter per step): shorten time.step"
             )));
+        }
+        if with_volume_averaged_gas && matches!(wall.shape, WallShape::Limited(_)) {
+            let message = format!(
+                "a volume-averaged gas does not flow around {name:?}: it knows the faces of the box, planes and a round \
+                 column alone"
+            );
+            wrong.push(("gas", message));
         }
         if with_column_gas && wall.is_round() {
             let message =

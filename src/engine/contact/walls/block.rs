@@ -151,9 +151,10 @@ impl WallBlock {
         let [x, y, z, radius] = Q::transposed(places);
         let [u, v, w, mass] = Q::transposed(motions);
         let (position, spin) = (FourVectors([x, y, z]), FourVectors::of_rows(spins));
-        let overlap = radius.minus(wall.heights_of_four(position));
+        let height = wall.heights_of_four(position);
+        let overlap = radius.minus(height);
         let normal = wall.normals_into_wall(position);
-        let of_wall = FourVectors::of_vector(&wall.pose.velocity);
+        let of_wall = wall.velocities(position, height, normal);
         let of_surfaces =
             of_wall.minus(FourVectors([u, v, w])).minus(spin.times(radius).cross(normal));
         radius.store(four_mut(&mut sizes.radius, from));
@@ -162,7 +163,7 @@ impl WallBlock {
         normal.store(&mut contacts.normal, from);
         of_surfaces.store(&mut contacts.relative_velocity, from);
         if R::ACTS {
-            spin.times(Q::splat(-1.0)).store(&mut contacts.relative_spin, from);
+            wall.spins_relative_to(spin).store(&mut contacts.relative_spin, from);
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::contact::lanes::FourVectors;
 use crate::domain::{Wall, WallPose, WallShape};
 use crate::numbers::F64x4;
+use nalgebra::Vector3;
 
 /// A wall at one instant.
 ///
@@ -30,6 +31,13 @@ impl WallNow<'_> {
                 let FourVectors([x, y, _]) = positions.minus(centre);
                 Q::splat(*radius).minus(x.times(x).plus(y.times(y)).root())
             }
+            WallShape::Limited(_) => {
+                let heights = one_by_one(positions, |position| {
+                    Vector3::new(self.wall.height_at(position, self.pose), 0.0, 0.0)
+                });
+                let FourVectors([height, ..]) = heights;
+                height
+            }
         }
     }
 
@@ -38,20 +46,50 @@ impl WallNow<'_> {
     pub(super) fn normals_into_wall<Q: F64x4>(&self, positions: FourVectors<Q>) -> FourVectors<Q> {
         match &self.wall.shape {
             WallShape::Plane { normal, .. } => FourVectors::of_vector(&-normal),
-            WallShape::Cylinder { .. } => self.normals_one_by_one(positions),
+            WallShape::Cylinder { .. } | WallShape::Limited(_) => {
+                one_by_one(positions, |position| -self.wall.normal_at(position, self.pose))
+            }
         }
     }
 
+    /// Angular velocities of the wall less those of four particles.
     #[inline(always)]
-    fn normals_one_by_one<Q: F64x4>(&self, positions: FourVectors<Q>) -> FourVectors<Q> {
-        let (mut numbers, mut normals) = ([[0.0; 4]; 4], [Q::splat(0.0); 4]);
-        for (numbers, row) in numbers.iter_mut().zip(positions.rows()) {
-            row.store(numbers);
+    pub(super) fn spins_relative_to<Q: F64x4>(&self, spins: FourVectors<Q>) -> FourVectors<Q> {
+        match &self.pose.turn {
+            Some(turn) => FourVectors::of_vector(&turn.angular_velocity).minus(spins),
+            None => spins.times(Q::splat(-1.0)),
         }
-        for (normal, &[x, y, z, _]) in normals.iter_mut().zip(&numbers) {
-            let into_bed = self.wall.normal_at(&[x, y, z].into(), self.pose);
-            *normal = Q::load(&[-into_bed.x, -into_bed.y, -into_bed.z, 0.0]);
-        }
-        FourVectors::of_rows(normals)
     }
+
+    /// Velocities of the wall at the points of it that are nearest to four positions.
+    #[inline(always)]
+    pub(super) fn velocities<Q: F64x4>(
+        &self,
+        positions: FourVectors<Q>,
+        heights: Q,
+        normals: FourVectors<Q>,
+    ) -> FourVectors<Q> {
+        if self.pose.turn.is_none() {
+            return FourVectors::of_vector(&self.pose.velocity);
+        }
+        let points = positions.plus(normals.times(heights));
+        one_by_one(points, |point| self.pose.velocity_at(point))
+    }
+}
+
+/// A function of each of four vectors.
+#[inline(always)]
+fn one_by_one<Q: F64x4>(
+    vectors: FourVectors<Q>,
+    function: impl Fn(&Vector3<f64>) -> Vector3<f64>,
+) -> FourVectors<Q> {
+    let (mut numbers, mut results) = ([[0.0; 4]; 4], [Q::splat(0.0); 4]);
+    for (numbers, row) in numbers.iter_mut().zip(vectors.rows()) {
+        row.store(numbers);
+    }
+    for (result, &[x, y, z, _]) in results.iter_mut().zip(&numbers) {
+        let of_this = function(&Vector3::new(x, y, z));
+        *result = Q::load(&[of_this.x, of_this.y, of_this.z, 0.0]);
+    }
+    FourVectors::of_rows(results)
 }

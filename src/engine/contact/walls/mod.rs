@@ -62,16 +62,17 @@ pub(super) fn contact_with(
 ) -> Contact {
     let radius = particles.body[i].radius;
     let position = &particles.body[i].position;
-    let overlap = radius - wall.height_at(position, pose);
+    let height = wall.height_at(position, pose);
+    let overlap = radius - height;
     let spin = particles.body[i].angular_velocity;
     let normal = -wall.normal_at(position, pose);
     Contact {
         overlap,
         normal,
-        relative_velocity: pose.velocity
+        relative_velocity: pose.velocity_at(&(position + normal * height))
             - particles.body[i].velocity
             - (spin * radius).cross(&normal),
-        relative_spin: -spin,
+        relative_spin: pose.turn.map_or(-spin, |turn| turn.angular_velocity - spin),
         reduced_mass: particles.body[i].mass,
         reduced_radius: radius,
         reduced_inertia: particles.inertia(i),

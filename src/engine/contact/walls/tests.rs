@@ -6,19 +6,43 @@ use crate::contact::{
     ByPair, ContactForceLaw, ContactLaw, ContactModel, ExampleScales, Exchanges, RollingFriction,
     RollingKind, TwistingFriction, VanDerWaals,
 };
+use crate::domain::{Axis, Surface, WallRotation, WallShape};
 use crate::numbers::{Quantum, Schedule, random_of, uniform};
 use crate::particles::{ContactState, InteractionRanges, LANES, ListRange};
+use nalgebra::Vector2;
 
 const SCALES: ExampleScales = ExampleScales { stiffness: 1.0e4, overlap: 0.01, restitution: 0.8 };
 const DT: f64 = 1.0e-3;
 const RADIUS: f64 = 0.5;
 
-/// A moving plate, and a cylinder.
-fn walls() -> ([Wall; 2], [WallPose; 2]) {
+/// A moving plate, a round column, a rectangle that has turned a little, and a frustum that turns about its axis.
+fn walls() -> ([Wall; 4], [WallPose; 4]) {
     let plate = Wall::plane("plate", Vector3::zeros(), Vector3::z());
     let cylinder = Wall::cylinder("cylinder", Vector3::zeros(), 6.0);
     let displacement = Vector3::new(0.0, 0.0, 0.002);
-    ([plate, cylinder], [WallPose { displacement, velocity: displacement }, WallPose::REST])
+    let limited = |name, surface| Wall::of_shape(name, WallShape::Limited(surface));
+    let half_edges = [Vector3::new(7.0, 0.0, 0.0), Vector3::new(0.0, 5.0, 0.0)];
+    let rectangle = Surface::Rectangle { centre: Vector3::zeros(), half_edges };
+    let turning = |direction: Vector3<f64>, speed: f64| WallRotation {
+        axis: Axis { point: Vector3::new(0.0, 0.0, 0.01), direction },
+        speed,
+        ramp: 0.0,
+        amplitude: 0.0,
+        frequency: 0.0,
+        start: 0.0,
+        end: f64::INFINITY,
+    };
+    let rectangle =
+        Wall { rotation: Some(turning(Vector3::x(), 0.002)), ..limited("rectangle", rectangle) };
+    let axis = Axis { point: Vector3::zeros(), direction: Vector3::z() };
+    let ends = [Vector2::new(-1.0, 6.01), Vector2::new(2.0, 5.99)];
+    let frustum = limited("frustum", Surface::Revolved { axis, ends });
+    let frustum = Wall { rotation: Some(turning(Vector3::z(), 0.7)), ..frustum };
+    let turned = [&rectangle, &frustum].map(|wall| wall.pose(1.0, DT));
+    assert!(turned[0].turn.unwrap().matrix.is_some() && turned[1].turn.unwrap().matrix.is_none());
+    let moving = WallPose { displacement, velocity: displacement, turn: None };
+    let poses = [moving, WallPose::REST, turned[0], turned[1]];
+    ([plate, cylinder, rectangle, frustum], poses)
 }
 
 /// Particles of two sizes and species in a layer: most of them at a wall, some at both walls.
@@ -128,7 +152,7 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
     contacts.find_wall_pairs(&particles, PosedWalls { walls: &walls, poses: &poses }, list);
     let mut reference = contacts.clone();
     let mut tallies = WallTallies::default();
-    tallies.reset(2);
+    tallies.reset(walls.len());
     let (mut begun, mut ended, mut friction) = (0, 0, Friction::default());
     for step in 0..30 {
         let walls = PosedWalls { walls: &walls, poses: &poses };
@@ -142,7 +166,7 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
         assert_eq!(contacts.wall_touching, reference.wall_touching);
         assert_eq!(contacts.wall_state, reference.wall_state);
         let on_walls: [i64; 3] =
-            [0, 1, 2].map(|axis| (0..2).map(|wall| tallies.on_wall(wall)[axis]).sum());
+            [0, 1, 2].map(|axis| (0..4).map(|wall| tallies.on_wall(wall)[axis]).sum());
         let sum = found.iter().fold(Vector3::zeros(), |sum, [force, _]| sum + force);
         assert_eq!(on_walls, [0, 1, 2].map(|axis| -laws.force_quantum.count(sum[axis])));
         for (before, now) in before.into_iter().zip(&contacts.wall_touching) {

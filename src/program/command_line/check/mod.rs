@@ -17,10 +17,11 @@ use super::report::six_digits;
 use super::run::say;
 use bed::BedAtRest;
 use lines::Lines;
+use nalgebra::{Vector2, Vector3};
 use std::fmt::Write;
 use std::path::Path;
 use talcum_engine::contact::Kept;
-use talcum_engine::domain::{Face, Wall, WallMotion, WallShape};
+use talcum_engine::domain::{Bend, Face, Surface, Wall, WallMotion, WallRotation, WallShape};
 use talcum_engine::fields::Unit;
 use talcum_engine::parallel::Communicator;
 use talcum_engine::state::SizeRange;
@@ -144,6 +145,7 @@ fn describe_wall(wall: &Wall) -> String {
         WallShape::Cylinder { centre, radius } => {
             format!("round about ({}, {}), radius {radius}, particles inside", centre.x, centre.y)
         }
+        WallShape::Limited(surface) => describe_surface(&surface),
     };
     let WallMotion { velocity: v, amplitude: a, frequency, start, end } = wall.motion;
     if !wall.motion.is_rest() {
@@ -151,7 +153,64 @@ fn describe_wall(wall: &Wall) -> String {
         let _ = write!(message, ", amplitude ({}, {}, {}) at {frequency}", a.x, a.y, a.z);
         let _ = write!(message, ", from {start} to {end}");
     }
+    if let Some(rotation) = &wall.rotation {
+        message += &describe_rotation(rotation);
+    }
     message
+}
+
+/// Axis, speed and times of a rotation.
+fn describe_rotation(rotation: &WallRotation) -> String {
+    let WallRotation { axis, speed, ramp, amplitude, frequency, start, end } = rotation;
+    let [direction, through] = [&axis.direction, &axis.point].map(point);
+    let mut message = format!(", turns about {direction} through {through} at {speed}");
+    if *ramp > 0.0 {
+        let _ = write!(message, " after a ramp of {ramp}");
+    }
+    if *amplitude != 0.0 {
+        let degrees = six_digits(amplitude.to_degrees());
+        let _ = write!(message, ", amplitude {degrees} degrees at {frequency}");
+    }
+    let _ = write!(message, ", from {start} to {end}");
+    message
+}
+
+/// Kind, place and size of a surface.
+fn describe_surface(surface: &Surface) -> String {
+    match surface {
+        Surface::Rectangle { centre, half_edges: [one, other] } => format!(
+            "rectangle about {}, edges {} and {}",
+            point(centre),
+            point(&(one * 2.0)),
+            point(&(other * 2.0))
+        ),
+        Surface::Revolved { axis, ends: [first, last] } => {
+            let place = |end: &Vector2<f64>| point(&(axis.point + axis.direction * end.x));
+            if first.x == last.x {
+                let (hole, radius, normal) = (first.y, last.y, point(&axis.direction));
+                return format!(
+                    "disc about {}, normal {normal}, radii {hole} to {radius}",
+                    place(first)
+                );
+            }
+            let [from, to] = [first, last].map(place);
+            format!("cylinder or cone from {from} to {to}, radii {} and {}", first.y, last.y)
+        }
+        Surface::Sphere { centre, radius } => {
+            format!("sphere about {}, radius {radius}", point(centre))
+        }
+        Surface::Bend(Bend { centre, start, bend_radius, radius, angle, .. }) => format!(
+            "bend about {} from {}, radius {radius}, angle {} degrees",
+            point(centre),
+            point(&(centre + start * *bend_radius)),
+            six_digits(angle.to_degrees())
+        ),
+    }
+}
+
+/// The coordinates of a point.
+fn point(point: &Vector3<f64>) -> String {
+    format!("({}, {}, {})", six_digits(point.x), six_digits(point.y), six_digits(point.z))
 }
 
 fn describe_ranks(message: &mut String, initial: &InitialState, ranks: &dyn Communicator) {

@@ -42,6 +42,141 @@ const FACE_NAMES: &[Word] = &[
     Word::new("z upper", ""),
 ];
 
+/// Keys of which each wall has one: its shape, or the face of the box in which it lies.
+pub(in crate::case) const SHAPES: [&str; 9] =
+    ["normal", "radius", "face", "rectangle", "disc", "cylinder", "cone", "sphere", "bend"];
+
+/// These keys without the one at a place.
+const fn others(place: usize) -> [&'static str; 8] {
+    let mut others = [""; 8];
+    let mut k = 0;
+    while k < 8 {
+        others[k] = SHAPES[if k < place { k } else { k + 1 }];
+        k += 1;
+    }
+    others
+}
+
+/// Keys that the wall of a face does not have.
+const NOT_OF_FACES: &[&str] =
+    &["normal", "radius", "rectangle", "disc", "cylinder", "cone", "sphere", "bend", "name"];
+
+/// Where an initial bed may lie.
+const SIDE: Key = Key::word(
+    "bed",
+    &[
+        Word::new("anywhere", "on both sides of the wall"),
+        Word::new(
+            "inside",
+            "in the room that the wall surrounds, or in that of another wall with this word",
+        ),
+        Word::new("outside", "not in the room that the wall surrounds"),
+    ],
+    "Where the particles of an initial bed may lie",
+)
+.default(Value::Word("anywhere"));
+
+const CENTRE: Key = point("centre", "Its middle");
+
+/// A point in space.
+const fn point(name: &'static str, meaning: &'static str) -> Key {
+    Key::new(name, Kind::Vector(Allowed::FINITE, 3), meaning).unit("length")
+}
+
+/// A length above 0.
+const fn length(name: &'static str, meaning: &'static str) -> Key {
+    Key::number(name, Allowed::POSITIVE, meaning).unit("length")
+}
+
+const RECTANGLE: &[Key] = &[
+    point("corner", "One corner"),
+    point("first_edge", "Vector along one edge, from the corner to the next"),
+    point("second_edge", "Vector along the other edge, perpendicular to the first"),
+];
+
+const DISC: &[Key] = &[
+    CENTRE,
+    Key::new("normal", Kind::Vector(Allowed::FINITE, 3), "Its normal, not all 0"),
+    length("radius", "Its radius"),
+    Key::number(
+        "hole",
+        Allowed::NOT_NEGATIVE,
+        "Radius of a round hole in its middle, below `radius`",
+    )
+    .unit("length")
+    .default(Value::Number(0.0)),
+];
+
+const CYLINDER: &[Key] = &[
+    point("from", "Middle of one end"),
+    point("to", "Middle of the other end"),
+    length("radius", "Its radius"),
+    SIDE,
+];
+
+const CONE: &[Key] = &[
+    point("from", "Middle of one end"),
+    point("to", "Middle of the other end"),
+    Key::new(
+        "radii",
+        Kind::Vector(Allowed::NOT_NEGATIVE, 2),
+        "Radii at `from` and at `to`; one of them may be 0, a tip",
+    )
+    .unit("length"),
+    SIDE,
+];
+
+const SPHERE: &[Key] = &[CENTRE, length("radius", "Its radius"), SIDE];
+
+const BEND: &[Key] = &[
+    point("centre", "The point about which the pipe bends"),
+    point("from", "Middle of the pipe where the bend begins"),
+    Key::new(
+        "onwards",
+        Kind::Vector(Allowed::FINITE, 3),
+        "Direction of the pipe where the bend begins, perpendicular to the line from `centre` to `from`",
+    ),
+    Key::number("angle", Allowed::POSITIVE, "Angle of the bend, at most 360").unit("degree"),
+    length("radius", "Radius of the pipe, below the distance from `centre` to `from`"),
+    SIDE,
+];
+
+const ROTATION: &[Key] = &[
+    Key::number("speed", Allowed::FINITE, "Angular speed omega, in radians per time")
+        .unit("1/time")
+        .default(Value::Number(0.0)),
+    Key::number(
+        "ramp",
+        Allowed::NOT_NEGATIVE,
+        "Time T in which the speed rises linearly from 0 to `speed`",
+    )
+    .unit("time")
+    .default(Value::Number(0.0)),
+    Key::number(
+        "amplitude",
+        Allowed::FINITE,
+        "Amplitude A of an oscillation of the angle, in degrees",
+    )
+    .unit("degree")
+    .optionally("none"),
+    Key::number("frequency", Allowed::POSITIVE, "Frequency f of the oscillation")
+        .unit("1/time")
+        .with("amplitude"),
+    Key::new(
+        "axis",
+        Kind::Vector(Allowed::FINITE, 3),
+        "Direction of the axis, not all 0; positive angles turn right-handed about it",
+    )
+    .optionally("the axis of a disc, cylinder or cone (from `from` to `to`)"),
+    point("point", "A point of the axis").with("axis"),
+    Key::number("start", Allowed::NOT_NEGATIVE, "When the rotation starts")
+        .unit("time")
+        .default(Value::Number(0.0)),
+    Key::number("end", Allowed::POSITIVE, "When the rotation ends, after `start`")
+        .unit("time")
+        .optionally("never"),
+];
+
 /// `[[wall]]`.
 pub(in crate::case) const WALL: &[Key] = &[
     Key::new("name", Kind::Text, "Name of the wall in results, different for each wall")
@@ -51,7 +186,7 @@ pub(in crate::case) const WALL: &[Key] = &[
         Kind::Vector(Allowed::FINITE, 3),
         "Normal of a plane, into the bed, not all 0; it is scaled to a unit vector",
     )
-    .or(&["radius", "face"]),
+    .or(const { &others(0) }),
     Key::new("point", Kind::Vector(Allowed::FINITE, 3), "A point on the plane")
         .unit("length")
         .with("normal"),
@@ -61,12 +196,26 @@ pub(in crate::case) const WALL: &[Key] = &[
         "Radius of a round column along z, with the particles inside",
     )
     .unit("length")
-    .or(&["normal", "face"]),
+    .or(const { &others(1) }),
     Key::new("centre", Kind::Vector(Allowed::FINITE, 2), "x and y of the axis of a round column")
         .unit("length")
         .with("radius"),
     Key::word("face", FACE_NAMES, "The wall in this face of the box: the other keys are about it")
-        .or(&["normal", "radius", "name"]),
+        .or(NOT_OF_FACES),
+    Key::new("rectangle", Kind::Table(RECTANGLE), "A flat rectangle").or(const { &others(3) }),
+    Key::new("disc", Kind::Table(DISC), "A disc, or a ring").or(const { &others(4) }),
+    Key::new(
+        "cylinder",
+        Kind::Table(CYLINDER),
+        "A cylinder of any axis between two ends, which are open",
+    )
+    .or(const { &others(5) }),
+    Key::new("cone", Kind::Table(CONE), "A cone or a frustum between two ends, which are open")
+        .or(const { &others(6) }),
+    Key::new("sphere", Kind::Table(SPHERE), "A sphere").or(const { &others(7) }),
+    Key::new("bend", Kind::Table(BEND), "The bend of a round pipe: a part of a torus")
+        .or(const { &others(8) }),
+    Key::new("rotation", Kind::Table(ROTATION), "Rotation about an axis").optionally("none"),
     Key::new("velocity", Kind::Vector(Allowed::FINITE, 3), "Velocity v of the motion")
         .unit("speed")
         .optionally("at rest"),
@@ -114,21 +263,38 @@ pub(super) const WALL_CHAPTER: Chapter = Chapter {
     title: "further walls, and faces of the box that move or are of another material",
     keys: WALL,
     before: "\
-Each `[[wall]]` is a plane (`point` and `normal`), a round column (`centre` and `radius`), or says more about the wall
-in a face of the box (`face`).",
+Each `[[wall]]` is a plane (`point` and `normal`), a round column (`centre` and `radius`), a surface of limited extent
+(`rectangle`, `disc`, `cylinder`, `cone`, `sphere`, `bend`), or says more about the wall in a face of the box (`face`).",
     after: "\
 A wall is displaced by v tau + A sin(2 pi f tau), where tau is the time since `start`: a function of time alone. Its
 velocity acts on particles through dashpots and friction, in its plane too. The wall of a face moves in its plane or
 inwards, never out of the box. One that moves to and fro along its normal is a `[[wall]]` of its own, with its point
 inside the box. Walls are parallel to the axes along which the box is periodic. A round column needs faces along x and y
 that are not periodic, `\"stop\"` for example. A volume-averaged gas flows in the round column alone, a gas of kind `\"column\"`
-in no round column. With gas the walls of faces move in their planes only.",
+in no round column. With gas the walls of faces move in their planes only.
+
+Surfaces of limited extent are thin: particles touch them from both sides and at their edges, and two of them make two
+contacts where they meet. They lie where the box is not periodic, or reach through all of it. The angle of a rotation is
+omega (tau - T / 2) + A sin(2 pi f tau); during the ramp, while tau < T, its first part is omega tau^2 / (2 T). A drum is a
+`cylinder` with a `disc` at each end, which turn about their axis; nothing but the velocity of their surface changes then.
+The axis of a rotation moves with the translation of the wall. Planes turn about their normals only. A volume-averaged gas
+flows around none of them.",
 };
 
 #[cfg(test)]
 mod tests {
-    use super::FACE_NAMES;
+    use super::{FACE_NAMES, SHAPES, WALL};
     use talcum_engine::domain::BoxFace;
+
+    #[test]
+    fn each_shape_excludes_the_others() {
+        for name in SHAPES {
+            let key = WALL.iter().find(|key| key.name == name).unwrap();
+            let all = SHAPES.into_iter().filter(|other| *other != name);
+            assert!(all.clone().all(|other| key.partners.contains(&other)), "{name}");
+            assert!(!key.partners.contains(&name), "{name}");
+        }
+    }
 
     #[test]
     fn faces_have_the_names_of_the_box() {

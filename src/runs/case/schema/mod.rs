@@ -11,7 +11,7 @@ mod results;
 mod species;
 mod time;
 
-pub(super) use boxes::{BOX, WALL};
+pub(super) use boxes::{BOX, SHAPES, WALL};
 pub(super) use contact::{AT_WALL, CONTACT};
 pub(super) use forces::{COHESION, GRAVITY, VIBRATION};
 #[cfg(test)]

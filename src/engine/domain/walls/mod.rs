@@ -1,8 +1,14 @@
-//! Walls: planes and cylinders, at rest or in a motion that is a function of time.
+//! Walls: planes, cylinders and surfaces of limited extent, at rest or in a motion that is a function of time.
+
+mod rotation;
+mod surface;
+
+pub use self::rotation::{Turn, WallRotation};
+pub use self::surface::{Axis, Bend, FromSurface, Surface};
 
 use super::{Bounds, BoxFace};
 use crate::numbers::sine;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use std::f64::consts::PI;
 
 /// The face of the base plate, whose stress is reported, and its name in results.
@@ -17,8 +23,24 @@ pub struct Wall {
     pub face: Option<BoxFace>,
     /// Its surface while it is at rest.
     pub shape: WallShape,
-    /// Its motion.
+    /// Its translation.
     pub motion: WallMotion,
+    /// Its rotation, if it turns.
+    pub rotation: Option<WallRotation>,
+    /// Where the initial bed may lie.
+    pub side: Side,
+}
+
+/// The part of the box in which the particles of an initial bed may lie, as seen from a wall of limited extent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// On both sides.
+    #[default]
+    Both,
+    /// In the room that the wall surrounds, or that another wall with this side surrounds.
+    Inside,
+    /// Outside of the room that the wall surrounds.
+    Outside,
 }
 
 /// The surface of a wall. The particles are on one side of it.
@@ -38,6 +60,8 @@ pub enum WallShape {
         /// Radius.
         radius: f64,
     },
+    /// A thin surface of limited extent, with particles on both sides. In contact laws its curvature is neglected.
+    Limited(Surface),
 }
 
 /// Translation of a wall: the displacement is v tau + A sin(2 pi f tau). tau is the time since `start`; before it tau
@@ -62,8 +86,10 @@ pub struct WallMotion {
 pub struct WallPose {
     /// Displacement from the position at rest.
     pub displacement: Vector3<f64>,
-    /// Velocity of all its points.
+    /// Velocity of all its points, besides their rotation.
     pub velocity: Vector3<f64>,
+    /// Its rotation, if it turns.
+    pub turn: Option<Turn>,
 }
 
 /// Walls with their poses at one instant.
@@ -132,15 +158,47 @@ impl WallMotion {
 
 impl WallPose {
     /// At rest in the initial position.
-    pub const REST: Self =
-        Self { displacement: Vector3::new(0.0, 0.0, 0.0), velocity: Vector3::new(0.0, 0.0, 0.0) };
+    pub const REST: Self = Self {
+        displacement: Vector3::new(0.0, 0.0, 0.0),
+        velocity: Vector3::new(0.0, 0.0, 0.0),
+        turn: None,
+    };
+
+    /// Angular velocity of the wall, in radians per time.
+    pub fn angular_velocity(&self) -> Vector3<f64> {
+        self.turn.map_or(Vector3::zeros(), |turn| turn.angular_velocity)
+    }
+
+    /// Velocity of the wall at a point.
+    pub fn velocity_at(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let Some(Turn { point: centre, angular_velocity, .. }) = &self.turn else {
+            return self.velocity;
+        };
+        self.velocity + angular_velocity.cross(&(point - (centre + self.displacement)))
+    }
+
+    /// Distance and direction of a point from a surface in this pose.
+    fn from_surface(&self, surface: &Surface, point: &Vector3<f64>) -> FromSurface {
+        let point = point - self.displacement;
+        let Some(Turn { point: centre, matrix: Some(matrix), .. }) = &self.turn else {
+            return surface.from(&point);
+        };
+        let at_rest = centre + matrix.tr_mul(&(point - centre));
+        let found = surface.from(&at_rest);
+        FromSurface { direction: matrix * found.direction, ..found }
+    }
 }
 
 impl Wall {
     /// A plane at rest.
     pub fn plane(name: impl Into<String>, point: Vector3<f64>, normal: Vector3<f64>) -> Self {
-        let shape = WallShape::Plane { point, normal };
-        Self { name: name.into(), face: None, shape, motion: WallMotion::REST }
+        Self::of_shape(name, WallShape::Plane { point, normal })
+    }
+
+    /// A wall at rest, with particles on both sides if it is of limited extent.
+    pub fn of_shape(name: impl Into<String>, shape: WallShape) -> Self {
+        let (motion, rotation, side) = (WallMotion::REST, None, Side::Both);
+        Self { name: name.into(), face: None, shape, motion, rotation, side }
     }
 
     /// A plane at rest in a face of the box.
@@ -158,11 +216,10 @@ impl Wall {
 
     /// A cylinder along z at rest, given by a point of its axis and its radius.
     pub fn cylinder(name: impl Into<String>, centre: Vector3<f64>, radius: f64) -> Self {
-        let shape = WallShape::Cylinder { centre, radius };
-        Self { name: name.into(), face: None, shape, motion: WallMotion::REST }
+        Self::of_shape(name, WallShape::Cylinder { centre, radius })
     }
 
-    /// Whether it is a cylinder.
+    /// Whether it is a round column: a cylinder along z without ends.
     pub fn is_round(&self) -> bool {
         matches!(self.shape, WallShape::Cylinder { .. })
     }
@@ -173,7 +230,29 @@ impl Wall {
         WallPose {
             displacement: self.motion.displacement(time),
             velocity: self.motion.velocity_at(time - 0.5 * step),
+            turn: self.rotation.map(|it| it.turn(time, step, self.is_symmetric_about(&it.axis))),
         }
+    }
+
+    /// Whether a rotation about an axis leaves the wall where it is.
+    pub fn is_symmetric_about(&self, axis: &Axis) -> bool {
+        match &self.shape {
+            WallShape::Plane { normal, .. } => normal.cross(&axis.direction) == Vector3::zeros(),
+            WallShape::Cylinder { centre, .. } => {
+                axis.direction.xy() == Vector2::zeros() && axis.point.xy() == centre.xy()
+            }
+            WallShape::Limited(surface) => surface.is_symmetric_about(axis),
+        }
+    }
+
+    /// Whether a point lies in the room that the wall at rest surrounds; walls without limits surround none.
+    pub fn surrounds(&self, point: &Vector3<f64>) -> bool {
+        matches!(&self.shape, WallShape::Limited(surface) if surface.surrounds(point))
+    }
+
+    /// Whether it is at rest for ever.
+    pub fn is_at_rest(&self) -> bool {
+        self.motion.is_rest() && self.rotation.is_none()
     }
 
     /// Distance of a point from the wall at rest, negative behind it.
@@ -193,6 +272,7 @@ impl Wall {
                 let out = position - (centre + pose.displacement);
                 radius - (out.x * out.x + out.y * out.y).sqrt()
             }
+            WallShape::Limited(surface) => pose.from_surface(surface, position).distance,
         }
     }
 
@@ -208,14 +288,37 @@ impl Wall {
                 let per = if distance > 0.0 { 1.0 / distance } else { 0.0 };
                 Vector3::new(-out.x * per, -out.y * per, 0.0)
             }
+            WallShape::Limited(surface) => pose.from_surface(surface, position).direction,
         }
     }
 
-    /// Largest distance by which a displacement can have moved the wall towards particles.
-    pub fn approach(&self, displacement: &Vector3<f64>) -> f64 {
-        match &self.shape {
-            WallShape::Plane { normal, .. } => normal.dot(displacement).abs(),
+    /// Largest distance by which the wall can have moved towards particles from one pose to another.
+    pub fn approach(&self, then: &WallPose, now: &WallPose) -> f64 {
+        let displacement = now.displacement - then.displacement;
+        let translation = match &self.shape {
+            WallShape::Plane { normal, .. } => normal.dot(&displacement).abs(),
             WallShape::Cylinder { .. } => displacement.xy().norm(),
+            WallShape::Limited(_) => displacement.norm(),
+        };
+        match (&then.turn, &now.turn) {
+            (Some(then), Some(now)) if now.matrix.is_some() => {
+                translation + (now.angle - then.angle).abs() * self.reach()
+            }
+            _ => translation,
+        }
+    }
+
+    /// Largest distance of a point of the wall from the axis of its rotation; 0 if it does not turn, or if its surface
+    /// stays where it is as it turns.
+    fn reach(&self) -> f64 {
+        match (&self.rotation, &self.shape) {
+            (Some(WallRotation { axis, .. }), WallShape::Limited(surface))
+                if !surface.is_symmetric_about(axis) =>
+            {
+                let (centre, radius) = surface.hull();
+                axis.direction.cross(&(centre - axis.point)).norm() + radius
+            }
+            _ => 0.0,
         }
     }
 
@@ -228,6 +331,7 @@ impl Wall {
             WallShape::Cylinder { .. } => {
                 (displacements[0].powi(2) + displacements[1].powi(2)).sqrt()
             }
+            WallShape::Limited(_) => Vector3::from(*displacements).norm(),
         }
     }
 
@@ -239,6 +343,11 @@ impl Wall {
                 let [x, y] =
                     [Vector3::x(), Vector3::y()].map(|axis| self.motion.largest_speed(&axis));
                 (x * x + y * y).sqrt()
+            }
+            WallShape::Limited(_) => {
+                let along = |axis: usize| self.motion.largest_speed(&Vector3::ith(axis, 1.0));
+                let turning = self.rotation.map_or(0.0, |rotation| rotation.largest_speed());
+                Vector3::new(along(0), along(1), along(2)).norm() + turning * self.reach()
             }
         }
     }
