@@ -250,11 +250,6 @@ impl Wall {
         matches!(&self.shape, WallShape::Limited(surface) if surface.surrounds(point))
     }
 
-    /// Whether it is at rest for ever.
-    pub fn is_at_rest(&self) -> bool {
-        self.motion.is_rest() && self.rotation.is_none()
-    }
-
     /// Distance of a point from the wall at rest, negative behind it.
     #[inline(always)]
     pub fn height_of(&self, position: &Vector3<f64>) -> f64 {
