@@ -27,7 +27,7 @@ pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
                     root.problems.add(node.error(message));
                 }
                 check_periodic(&bounds, &wall, node, root.problems);
-                all.push(wall);
+                all.push(*wall);
             }
         }
     }
@@ -53,7 +53,7 @@ enum Entry {
     /// A wall of the box: its motion.
     Face { face: BoxFace, motion: WallMotion },
     /// A wall of the case.
-    Own(Wall),
+    Own(Box<Wall>),
 }
 
 fn read_wall(section: &Section<'_>) -> Option<Entry> {
@@ -81,7 +81,7 @@ fn read_wall(section: &Section<'_>) -> Option<Entry> {
         Some(table) => Some(read_rotation(&table, &wall)?),
         None => None,
     };
-    Some(Entry::Own(Wall { motion: motion?, rotation, ..wall }))
+    Some(Entry::Own(Box::new(Wall { motion: motion?, rotation, ..wall })))
 }
 
 fn read_plane(section: &Section<'_>) -> Option<WallShape> {

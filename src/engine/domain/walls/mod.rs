@@ -178,13 +178,13 @@ impl WallPose {
     }
 
     /// Distance and direction of a point from a surface in this pose.
-    fn from_surface(&self, surface: &Surface, point: &Vector3<f64>) -> FromSurface {
+    fn nearest(&self, surface: &Surface, point: &Vector3<f64>) -> FromSurface {
         let point = point - self.displacement;
         let Some(Turn { point: centre, matrix: Some(matrix), .. }) = &self.turn else {
-            return surface.from(&point);
+            return surface.nearest(&point);
         };
         let at_rest = centre + matrix.tr_mul(&(point - centre));
-        let found = surface.from(&at_rest);
+        let found = surface.nearest(&at_rest);
         FromSurface { direction: matrix * found.direction, ..found }
     }
 }
@@ -267,7 +267,7 @@ impl Wall {
                 let out = position - (centre + pose.displacement);
                 radius - (out.x * out.x + out.y * out.y).sqrt()
             }
-            WallShape::Limited(surface) => pose.from_surface(surface, position).distance,
+            WallShape::Limited(surface) => pose.nearest(surface, position).distance,
         }
     }
 
@@ -283,7 +283,7 @@ impl Wall {
                 let per = if distance > 0.0 { 1.0 / distance } else { 0.0 };
                 Vector3::new(-out.x * per, -out.y * per, 0.0)
             }
-            WallShape::Limited(surface) => pose.from_surface(surface, position).direction,
+            WallShape::Limited(surface) => pose.nearest(surface, position).direction,
         }
     }
 

@@ -117,7 +117,7 @@ impl FromSurface {
 
 impl Surface {
     /// Distance and direction of a point from the surface.
-    pub fn from(&self, point: &Vector3<f64>) -> FromSurface {
+    pub fn nearest(&self, point: &Vector3<f64>) -> FromSurface {
         match self {
             Self::Rectangle { centre, half_edges } => from_rectangle(&(point - centre), half_edges),
             Self::Revolved { axis, ends } => {
@@ -131,7 +131,7 @@ impl Surface {
                 let outwards = if distance > 0.0 { arm / distance } else { Vector3::zeros() };
                 FromSurface::above(distance - radius, outwards)
             }
-            Self::Bend(bend) => bend.from(point),
+            Self::Bend(bend) => bend.nearest(point),
         }
     }
 
@@ -247,7 +247,7 @@ impl Bend {
         (direction, angle <= self.angle)
     }
 
-    fn from(&self, point: &Vector3<f64>) -> FromSurface {
+    fn nearest(&self, point: &Vector3<f64>) -> FromSurface {
         let arm = point - self.centre;
         let (direction, is_of_bend) = self.angle_of(&arm);
         if is_of_bend {
@@ -258,12 +258,12 @@ impl Bend {
             return FromSurface::above(distance - self.radius, normal);
         }
         let [first, last] = [0.0, self.angle]
-            .map(|angle| self.from_end(&arm, [libm::sin(angle), libm::cos(angle)]));
+            .map(|angle| self.nearest_of_rim(&arm, [libm::sin(angle), libm::cos(angle)]));
         if last.distance < first.distance { last } else { first }
     }
 
     /// Distance and direction from the rim of the pipe at one end.
-    fn from_end(&self, arm: &Vector3<f64>, angle: [f64; 2]) -> FromSurface {
+    fn nearest_of_rim(&self, arm: &Vector3<f64>, angle: [f64; 2]) -> FromSurface {
         let [outwards, onwards] = self.directions(angle);
         let arm = arm - outwards * self.bend_radius;
         let beyond = onwards * onwards.dot(&arm);
@@ -358,7 +358,7 @@ mod tests {
         for surface in surfaces() {
             let points = points_of(&surface);
             for probe in probes() {
-                let found = surface.from(&probe);
+                let found = surface.nearest(&probe);
                 let nearest =
                     points.iter().map(|point| (probe - point).norm()).fold(f64::INFINITY, f64::min);
                 // Points lie up to 0.04 apart: at a distance D the nearest of them is 0.02^2 / 2 D farther, at most 0.02.
@@ -374,8 +374,8 @@ mod tests {
         for surface in surfaces() {
             let mut misses = 0;
             for probe in probes() {
-                let found = surface.from(&probe);
-                let at = |way: f64| surface.from(&(probe + found.direction * way)).distance;
+                let found = surface.nearest(&probe);
+                let at = |way: f64| surface.nearest(&(probe + found.direction * way)).distance;
                 let foot = at(-found.distance);
                 assert!(foot < 1.0e-12, "rounding of some sums: {surface:?} at {probe}: {foot}");
                 misses += usize::from(at(found.distance) > 0.5 * found.distance);
@@ -418,7 +418,7 @@ mod tests {
         let centre = Vector3::new(0.1, 0.7, 0.3);
         let rectangle = Surface::Rectangle { centre, half_edges };
         let point = Vector3::new(-1.3, 1.9, 0.83);
-        let found = rectangle.from(&point);
+        let found = rectangle.nearest(&point);
         assert_eq!((found.distance, found.direction), (point.z - centre.z, Vector3::z()));
     }
 
