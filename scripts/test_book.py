@@ -122,7 +122,7 @@ class Cases(unittest.TestCase):
         blocks = [(str(page), block) for page in pages for block in blocks_of(str(page))]
         cases = {"bed.toml": "".join(blocks_of("tutorial.md")[:4])}
         cases |= {found[1]: block for _, block in blocks if (found := re.match(r"# (\S+\.toml)\n", block))}
-        self.assertEqual(sorted(cases), ["beads.toml", "bed.toml", "shear.toml"])
+        self.assertEqual(sorted(cases), ["beads.toml", "bed.toml", "drum.toml", "hopper.toml", "shear.toml"])
         tried = 0
         for page, block in [*blocks, ("tutorial.md", "# in bed.toml\n"), ("running.md", "# in running.toml\n")]:
             cases["running.toml"] = blocks_of("running.md")[0]
