@@ -22,12 +22,10 @@ pub(super) fn read_surface(kind: &str, section: &Section<'_>) -> Option<Surface>
     }
 }
 
-/// Where the initial bed may lie; rectangles and discs surround no room.
-pub(super) fn read_side(kind: &str, section: &Section<'_>) -> Side {
-    if matches!(kind, "rectangle" | "disc") {
-        return Side::Both;
-    }
-    match section.word("bed") {
+/// Where the initial bed may lie; shapes that surround no room do not have the key.
+pub(super) fn read_side(section: &Section<'_>) -> Side {
+    let word = if section.has("bed") { section.word("bed") } else { None };
+    match word {
         Some("inside") => Side::Inside,
         Some("outside") => Side::Outside,
         _ => Side::Both,
@@ -39,7 +37,7 @@ fn vector(section: &Section<'_>, name: &str) -> Option<Vector3<f64>> {
 }
 
 /// A vector as a unit vector; the zero vector is an error.
-fn direction(section: &Section<'_>, name: &'static str) -> Option<Vector3<f64>> {
+pub(super) fn direction(section: &Section<'_>, name: &'static str) -> Option<Vector3<f64>> {
     let unit = vector(section, name)?.try_normalize(0.0);
     if unit.is_none() {
         section.fail(name, "must not be the zero vector");
@@ -134,6 +132,22 @@ fn read_bend(section: &Section<'_>) -> Option<Surface> {
     }))
 }
 
+/// Start and end of a motion; without an end it never ends.
+pub(super) fn read_times(section: &Section<'_>) -> Option<[f64; 2]> {
+    let start = section.number("start")?;
+    let end = if section.has("end") { section.number("end")? } else { f64::INFINITY };
+    if end <= start {
+        section.fail("end", format!("must be after start, {start}"));
+        return None;
+    }
+    Some([start, end])
+}
+
+/// Frequency of an oscillation; 0 without an amplitude.
+pub(super) fn read_frequency(section: &Section<'_>) -> Option<f64> {
+    if section.has("amplitude") { section.number("frequency") } else { Some(0.0) }
+}
+
 /// The rotation of a wall.
 pub(super) fn read_rotation(section: &Section<'_>, wall: &Wall) -> Option<WallRotation> {
     let axis = match (section.has("axis"), &wall.shape) {
@@ -158,16 +172,10 @@ pub(super) fn read_rotation(section: &Section<'_>, wall: &Wall) -> Option<WallRo
         );
         return None;
     }
-    let (start, end) = (section.number("start")?, section.number("end").unwrap_or(f64::INFINITY));
-    if end <= start {
-        section.fail("end", format!("must be after start, {start}"));
-        return None;
-    }
-    let (amplitude, frequency) = if section.has("amplitude") {
-        (section.number("amplitude")?.to_radians(), section.number("frequency")?)
-    } else {
-        (0.0, 0.0)
-    };
+    let [start, end] = read_times(section)?;
+    let frequency = read_frequency(section)?;
+    let amplitude =
+        if section.has("amplitude") { section.number("amplitude")?.to_radians() } else { 0.0 };
     let (speed, ramp) = (section.number("speed")?, section.number("ramp")?);
     Some(WallRotation { axis, speed, ramp, amplitude, frequency, start, end })
 }

@@ -2,7 +2,9 @@
 
 use super::boxes::{AXES, read_bounds};
 use super::schema::SHAPES;
-use super::surfaces::{read_rotation, read_side, read_surface};
+use super::surfaces::{
+    direction, read_frequency, read_rotation, read_side, read_surface, read_times,
+};
 use super::{Case, Stage};
 use crate::input::{Node, Problems, Section};
 use nalgebra::Vector3;
@@ -73,7 +75,7 @@ fn read_wall(section: &Section<'_>) -> Option<Entry> {
         _ => {
             let table = section.table(given)?;
             let surface = read_surface(given, &table).map(WallShape::Limited);
-            (surface, read_side(given, &table))
+            (surface, read_side(&table))
         }
     };
     let wall = Wall { side, ..Wall::of_shape(section.text("name")?, shape?) };
@@ -85,10 +87,7 @@ fn read_wall(section: &Section<'_>) -> Option<Entry> {
 }
 
 fn read_plane(section: &Section<'_>) -> Option<WallShape> {
-    let normal = Vector3::from(section.vector("normal")?).try_normalize(0.0);
-    if normal.is_none() {
-        section.fail("normal", "must not be the zero vector");
-    }
+    let normal = direction(section, "normal");
     Some(WallShape::Plane { point: section.vector("point")?.into(), normal: normal? })
 }
 
@@ -100,13 +99,8 @@ fn read_cylinder(section: &Section<'_>) -> Option<WallShape> {
 /// Velocity, oscillation, and times of the motion.
 fn read_motion(section: &Section<'_>) -> Option<WallMotion> {
     let vector = |name| section.vector(name).map(Vector3::from).unwrap_or_default();
-    let frequency = if section.has("amplitude") { section.number("frequency") } else { Some(0.0) };
-    let start = section.number("start")?;
-    let end = if section.has("end") { section.number("end")? } else { f64::INFINITY };
-    if end <= start {
-        section.fail("end", format!("must be after start, {start}"));
-        return None;
-    }
+    let frequency = read_frequency(section);
+    let [start, end] = read_times(section)?;
     let (velocity, amplitude) = (vector("velocity"), vector("amplitude"));
     Some(WallMotion { velocity, amplitude, frequency: frequency?, start, end })
 }
