@@ -79,16 +79,13 @@ fn wall_contact<'a>(
 ) -> WallContact<'a> {
     let pair = &contacts.wall_pairs[slot];
     let (particle, wall) = (pair.particle as usize, pair.wall as usize);
-    let (body, pose) = (&walls.walls[wall], &walls.poses[wall]);
-    let (at_wall, centre) = (
-        laws.at_wall(wall, particles.body[particle].species()),
-        &particles.body[particle].position,
-    );
-    let contact = contact_with(body, pose, particles, particle, at_wall.cohesion);
+    let (body, pose) = (&particles.body[particle], &walls.poses[wall]);
+    let at_wall = laws.at_wall(wall, body.species());
+    let contact = contact_with(&walls.walls[wall], pose, particles, particle, at_wall.cohesion);
     WallContact {
         wall,
         contact,
-        point: centre + contact.normal * body.height_at(centre, pose),
+        point: body.position + contact.normal * (contact.reduced_radius - contact.overlap),
         before: contacts.wall_touching[slot].then(|| contacts.wall_state[slot]),
         model: at_wall.contact,
     }

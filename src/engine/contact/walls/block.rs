@@ -151,9 +151,8 @@ impl WallBlock {
         let [x, y, z, radius] = Q::transposed(places);
         let [u, v, w, mass] = Q::transposed(motions);
         let (position, spin) = (FourVectors([x, y, z]), FourVectors::of_rows(spins));
-        let height = wall.heights_of_four(position);
+        let (height, normal) = wall.heights_and_normals(position);
         let overlap = radius.minus(height);
-        let normal = wall.normals_into_wall(position);
         let of_wall = wall.velocities(position, height, normal);
         let of_surfaces =
             of_wall.minus(FourVectors([u, v, w])).minus(spin.times(radius).cross(normal));

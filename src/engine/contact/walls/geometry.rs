@@ -32,22 +32,43 @@ impl WallNow<'_> {
                 Q::splat(*radius).minus(x.times(x).plus(y.times(y)).root())
             }
             WallShape::Limited(_) => {
-                let heights = one_by_one(positions, |position| {
-                    Vector3::new(self.wall.height_at(position, self.pose), 0.0, 0.0)
+                let [height, ..] = one_by_one(positions, |position| {
+                    [self.wall.height_at(position, self.pose), 0.0, 0.0, 0.0]
                 });
-                let FourVectors([height, ..]) = heights;
                 height
+            }
+        }
+    }
+
+    /// Distances of four points from the wall, and the unit normals into it there.
+    #[inline(always)]
+    pub(super) fn heights_and_normals<Q: F64x4>(
+        &self,
+        positions: FourVectors<Q>,
+    ) -> (Q, FourVectors<Q>) {
+        match &self.wall.shape {
+            WallShape::Plane { .. } | WallShape::Cylinder { .. } => {
+                (self.heights_of_four(positions), self.normals_into_wall(positions))
+            }
+            WallShape::Limited(_) => {
+                let [x, y, z, heights] = one_by_one(positions, |position| {
+                    let (height, into_bed) = self.wall.height_and_normal(position, self.pose);
+                    row(-into_bed, height)
+                });
+                (heights, FourVectors([x, y, z]))
             }
         }
     }
 
     /// Unit normals into the wall at the points of it nearest to four positions; zero on the axis of a cylinder.
     #[inline(always)]
-    pub(super) fn normals_into_wall<Q: F64x4>(&self, positions: FourVectors<Q>) -> FourVectors<Q> {
+    fn normals_into_wall<Q: F64x4>(&self, positions: FourVectors<Q>) -> FourVectors<Q> {
         match &self.wall.shape {
             WallShape::Plane { normal, .. } => FourVectors::of_vector(&-normal),
             WallShape::Cylinder { .. } | WallShape::Limited(_) => {
-                one_by_one(positions, |position| -self.wall.normal_at(position, self.pose))
+                let into_wall = |position: &_| row(-self.wall.normal_at(position, self.pose), 0.0);
+                let [x, y, z, _] = one_by_one(positions, into_wall);
+                FourVectors([x, y, z])
             }
         }
     }
@@ -73,23 +94,29 @@ impl WallNow<'_> {
             return FourVectors::of_vector(&self.pose.velocity);
         }
         let points = positions.plus(normals.times(heights));
-        one_by_one(points, |point| self.pose.velocity_at(point))
+        let [x, y, z, _] = one_by_one(points, |point| row(self.pose.velocity_at(point), 0.0));
+        FourVectors([x, y, z])
     }
 }
 
-/// A function of each of four vectors.
+/// A vector and a number.
+#[inline(always)]
+fn row(vector: Vector3<f64>, last: f64) -> [f64; 4] {
+    [vector.x, vector.y, vector.z, last]
+}
+
+/// Four numbers of each of four vectors, each number of all four together.
 #[inline(always)]
 fn one_by_one<Q: F64x4>(
     vectors: FourVectors<Q>,
-    function: impl Fn(&Vector3<f64>) -> Vector3<f64>,
-) -> FourVectors<Q> {
+    function: impl Fn(&Vector3<f64>) -> [f64; 4],
+) -> [Q; 4] {
     let (mut numbers, mut results) = ([[0.0; 4]; 4], [Q::splat(0.0); 4]);
     for (numbers, row) in numbers.iter_mut().zip(vectors.rows()) {
         row.store(numbers);
     }
     for (result, &[x, y, z, _]) in results.iter_mut().zip(&numbers) {
-        let of_this = function(&Vector3::new(x, y, z));
-        *result = Q::load(&[of_this.x, of_this.y, of_this.z, 0.0]);
+        *result = Q::load(&function(&Vector3::new(x, y, z)));
     }
-    FourVectors::of_rows(results)
+    Q::transposed(results)
 }

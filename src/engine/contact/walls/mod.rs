@@ -62,10 +62,10 @@ pub(super) fn contact_with(
 ) -> Contact {
     let radius = particles.body[i].radius;
     let position = &particles.body[i].position;
-    let height = wall.height_at(position, pose);
+    let (height, into_bed) = wall.height_and_normal(position, pose);
     let overlap = radius - height;
     let spin = particles.body[i].angular_velocity;
-    let normal = -wall.normal_at(position, pose);
+    let normal = -into_bed;
     Contact {
         overlap,
         normal,

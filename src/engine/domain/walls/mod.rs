@@ -287,6 +287,24 @@ impl Wall {
         }
     }
 
+    /// Distance of a point from the wall, and the unit normal there, as by [`Wall::height_at`] and [`Wall::normal_at`].
+    #[inline(always)]
+    pub fn height_and_normal(
+        &self,
+        position: &Vector3<f64>,
+        pose: &WallPose,
+    ) -> (f64, Vector3<f64>) {
+        match &self.shape {
+            WallShape::Plane { .. } | WallShape::Cylinder { .. } => {
+                (self.height_at(position, pose), self.normal_at(position, pose))
+            }
+            WallShape::Limited(surface) => {
+                let FromSurface { distance, direction } = pose.nearest(surface, position);
+                (distance, direction)
+            }
+        }
+    }
+
     /// Largest distance by which the wall can have moved towards particles from one pose to another.
     pub fn approach(&self, then: &WallPose, now: &WallPose) -> f64 {
         let displacement = now.displacement - then.displacement;
