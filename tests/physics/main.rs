@@ -13,6 +13,7 @@ mod instruments;
 mod integrator_order;
 mod limited_walls;
 mod measures_never_panic;
+mod meshes;
 mod minimum_fluidisation;
 mod plenum;
 mod single_particle;

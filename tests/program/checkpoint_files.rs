@@ -42,6 +42,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
     let wall_contact = |k| WallContactRecord {
         particle: k / 2,
         wall: 1 - k % 2,
+        facet: (k % 3) as f64,
         state: ContactState {
             tangential_spring: spring,
             largest_overlap: 0.1,

@@ -21,6 +21,7 @@ mod initial_beds;
 mod instruments;
 mod interruption;
 mod left_semaphore;
+mod meshes;
 mod mpirun;
 mod new_case;
 mod printing;

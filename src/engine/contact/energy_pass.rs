@@ -51,7 +51,7 @@ pub(crate) fn work_of_walls(
     laws: &ForceLaws,
     mut sink: impl FnMut(WallWork),
 ) {
-    for slot in 0..contacts.wall_pairs.len() {
+    for slot in contacts.wall_slots() {
         let WallContact { wall, contact, point, before, model } =
             wall_contact(particles, contacts, walls, laws, slot);
         let (work, force) = work_over_step(model, &contact, before, laws.dt).unwrap_or_default();
@@ -79,9 +79,9 @@ fn wall_contact<'a>(
 ) -> WallContact<'a> {
     let pair = &contacts.wall_pairs[slot];
     let (particle, wall) = (pair.particle as usize, pair.wall as usize);
-    let (body, pose) = (&particles.body[particle], &walls.poses[wall]);
+    let body = &particles.body[particle];
     let at_wall = laws.at_wall(wall, body.species());
-    let contact = contact_with(&walls.walls[wall], pose, particles, particle, at_wall.cohesion);
+    let contact = contact_with(walls, pair, particles, at_wall.cohesion);
     WallContact {
         wall,
         contact,
@@ -225,9 +225,11 @@ pub(crate) fn attraction_energy(
         let cohesion = cohesion.of([one.species(), other.species()]);
         sink(cohesion.energy_of_particles(one.radius, other.radius, -overlap));
     }
-    for pair in &contacts.wall_pairs {
+    let acting = contacts.wall_pairs.iter().zip(&contacts.wall_acts).filter(|&(_, acts)| *acts);
+    for (pair, _) in acting {
         let (wall, body) = (pair.wall as usize, &particles.body[pair.particle as usize]);
-        let height = walls.walls[wall].height_at(&body.position, &walls.poses[wall]);
+        let (wall, pose) = (&walls.walls[wall], &walls.poses[wall]);
+        let (height, _) = wall.height_and_normal(&body.position, pose, pair.facet);
         let cohesion = cohesion.of([body.species(); 2]);
         sink(cohesion.energy_at_wall(body.radius, height - body.radius));
     }

@@ -50,4 +50,4 @@ pub use softening::{SOFTENING, Softening};
 pub use twisting::{TWISTING, TwistingFriction};
 pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};
 pub use wall_tallies::WallTallies;
-pub(crate) use walls::add_wall_forces;
+pub(crate) use walls::{add_wall_forces, find_mesh_contacts};

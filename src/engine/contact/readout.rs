@@ -165,23 +165,21 @@ pub fn wall_pair_forces<'a>(
     at_wall: impl Fn(usize, usize) -> WallLaws<'a>,
 ) -> Vec<WallPairForce> {
     let mut found = Vec::new();
-    for (particle, wall, history) in contacts.near_walls() {
-        let (i, number) = (particle as usize, wall as usize);
-        let WallLaws { contact: model, cohesion } = at_wall(number, particles.body[i].species());
-        let contact =
-            contact_with(&walls.walls[number], &walls.poses[number], particles, i, cohesion);
+    for (pair, history) in contacts.near_walls() {
+        let body = &particles.body[pair.particle as usize];
+        let WallLaws { contact: model, cohesion } = at_wall(pair.wall as usize, body.species());
+        let contact = contact_with(walls, &pair, particles, cohesion);
         if history.is_none() && contact.cohesion == 0.0 {
             continue;
         }
         let law = &model.law;
         let force = history
             .map_or_else(ContactForce::zero, |mut history| law.force(&contact, &mut history, 0.0));
-        let radius = particles.body[i].radius;
         found.push(WallPairForce {
-            particle,
-            wall,
+            particle: pair.particle,
+            wall: pair.wall,
             touching: history.is_some(),
-            branch: contact.normal * (radius - contact.overlap),
+            branch: contact.normal * (body.radius - contact.overlap),
             contact: -(contact.normal * force.normal + force.tangential),
             cohesive: contact.normal * contact.cohesion,
         });

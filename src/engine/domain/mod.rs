@@ -14,6 +14,7 @@ pub use decomposition::{Decomposition, RankGrid};
 pub use gravity::{EffectiveGravity, Vibration};
 pub use subdomain::Subdomain;
 pub use walls::{
-    Axis, Bend, FromSurface, PosedWalls, Side, Surface, Turn, Wall, WallMotion, WallPose,
-    WallRotation, WallShape,
+    Axis, Bend, Edge, Facet, Feature, FromSurface, Mesh, MeshError, NearestOnFacet, PosedWalls,
+    Side, Surface, Turn, Wall, WallMotion, WallPose, WallRotation, WallShape, join_vertices,
+    rotation,
 };

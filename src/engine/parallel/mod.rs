@@ -28,7 +28,7 @@
 //! | --- | --- | --- | --- | --- |
 //! | load of each rank, costs along each divided axis ([`RankLoad`](crate::balance::RankLoad)) | integers | 8192 per axis | all | [`sum_integers`] |
 //! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 200 per particle | new owner | [`sparse_exchange`] |
-//! | their contact histories, and those of two ranks' particles, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owners of both particles | [`sparse_exchange`] |
+//! | their contact histories, and those of two ranks' particles, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact, 88 at a wall | new owners of both particles | [`sparse_exchange`] |
 //! | new ghosts ([`ParticleHalo::make_ghosts`]) | `NewGhost` | 112 per ghost | neighbours, axis by axis | [`exchange`] |
 //! | which particles ghosts are copies of ([`ParticleHalo::follow`]) | indices | 4 per particle | their owner | [`sparse_exchange`] |
 //! | ids of particles that have left the box, if any has, and their volume | ids, 5 integers | 8 per particle | all | [`share_with_all`], [`sum_integers`] |

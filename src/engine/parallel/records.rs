@@ -176,7 +176,7 @@ mod tests {
     fn records_have_the_sizes_that_the_documentation_of_the_module_states() {
         assert_eq!(size_of::<ParticleRecord>(), 200);
         assert_eq!(size_of::<ContactRecord>(), 80);
-        assert_eq!(size_of::<WallContactRecord>(), 80);
+        assert_eq!(size_of::<WallContactRecord>(), 88);
         assert_eq!(size_of::<CellRecord>(), 72);
         assert_eq!(size_of::<NewGhost>(), 112);
         assert_eq!(size_of::<GhostVelocities>(), 48);

@@ -1,7 +1,7 @@
 //! Data that a contact carries from one step to the next, and the records of touching pairs and of particles that touch
 //! a wall.
 
-use crate::fields::{Field, Id, Record, records, seen_from_the_other_side};
+use crate::fields::{Field, Id, Kind, Record, Unit, records, seen_from_the_other_side};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 
@@ -54,6 +54,8 @@ pub struct WallContactRecord {
     pub wall: u64,
     /// Data of the contact; the second body is the wall.
     pub state: ContactState,
+    /// Number of the facet of a mesh that acts for the contact; 0 for other walls.
+    pub facet: f64,
 }
 
 /// The contact histories of some particles: of the pairs that touch, and of the particles that touch a wall.
@@ -85,8 +87,18 @@ impl Record for WallContactRecord {
         Id { name: "particle", meaning: "id of a particle at a wall, ascending" },
         Id { name: "wall", meaning: "number of the wall: faces of the box, then the case's" },
     ];
-    const FIELDS: &'static [Field] = ContactState::FIELDS;
+    const FIELDS: &'static [Field] = &FIELDS_AT_WALL;
 }
+
+/// The fields of a contact, and the facet.
+const FIELDS_AT_WALL: [Field; ContactState::FIELDS.len() + 1] = {
+    let facet =
+        Field::new("facet", Kind::Integer, Unit::One, "number of the facet of a mesh, from 0");
+    let mut fields = [facet.comes_with("meshes"); ContactState::FIELDS.len() + 1];
+    let (of_contact, _) = fields.split_at_mut(ContactState::FIELDS.len());
+    of_contact.copy_from_slice(ContactState::FIELDS);
+    fields
+};
 
 impl ContactHistory {
     /// The tangential spring, then the largest overlap.

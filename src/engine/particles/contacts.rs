@@ -25,20 +25,22 @@ use thiserror::Error;
 #[error("internal error: the contact of particle {0} with {1} was lost in a list rebuild")]
 pub struct LostContact(u64, String);
 
-/// A pair of an owned particle and a wall near it. Pairs are sorted by their fields in order, so that those with the
-/// same law follow each other.
+/// A pair of an owned particle and a wall near it, or a facet of a mesh near it. Pairs are sorted by their fields in
+/// order, so that those with the same law follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct WallPair {
     pub(crate) wall: u32,
     /// Species of the particle.
     pub(crate) species: u32,
     pub(crate) particle: u32,
+    /// Number of the facet; 0 unless the wall is a mesh.
+    pub(crate) facet: u32,
 }
 
 impl WallPair {
-    fn of(particles: &Particles, wall: u32, particle: u32) -> Self {
+    fn of(particles: &Particles, wall: u32, particle: u32, facet: u32) -> Self {
         let species = particles.body[particle as usize].species() as u32;
-        Self { wall, species, particle }
+        Self { wall, species, particle, facet }
     }
 
     /// Whether both pairs have the same law.
@@ -57,6 +59,9 @@ pub struct Contacts {
     /// The pairs that may act on each other within the next steps.
     pub(crate) inner: InnerList,
     pub(crate) wall_pairs: Vec<WallPair>,
+    /// Whether the wall may act on the particle in each of these pairs. Of the facets of a mesh that a particle touches,
+    /// one acts for all that are one contact.
+    pub(crate) wall_acts: Vec<bool>,
     pub(crate) wall_touching: Vec<bool>,
     /// State of these contacts; zero for those that do not touch.
     pub(crate) wall_state: Vec<ContactState>,
@@ -132,11 +137,16 @@ impl Contacts {
     /// Owned particles and walls that may act on each other now, with the histories of the touching ones.
     pub(crate) fn near_walls(
         &self,
-    ) -> impl Iterator<Item = (u32, u32, Option<ContactHistory>)> + '_ {
-        self.wall_pairs.iter().enumerate().map(|(slot, pair)| {
+    ) -> impl Iterator<Item = (WallPair, Option<ContactHistory>)> + '_ {
+        self.wall_slots().map(|slot| {
             let history = self.wall_touching[slot].then(|| self.wall_state[slot].history());
-            (pair.particle, pair.wall, history)
+            (self.wall_pairs[slot], history)
         })
+    }
+
+    /// The slots of particles and walls that may act on each other now, or whose contact still has to end.
+    pub(crate) fn wall_slots(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.wall_pairs.len()).filter(|&slot| self.wall_acts[slot] || self.wall_touching[slot])
     }
 
     /// Removes all pairs of particles, for a new list.
@@ -188,14 +198,15 @@ impl Contacts {
         (0..self.wall_pairs.len())
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
-                let WallPair { particle, wall, .. } = self.wall_pairs[slot];
+                let WallPair { particle, wall, facet, .. } = self.wall_pairs[slot];
                 let (particle, wall) = (particles.id[particle as usize], u64::from(wall));
-                WallContactRecord { particle, wall, state: self.wall_state[slot] }
+                let (state, facet) = (self.wall_state[slot], f64::from(facet));
+                WallContactRecord { particle, wall, state, facet }
             })
             .collect()
     }
 
-    /// Lists the owned particles near walls, without histories.
+    /// Lists the owned particles near walls, and the facets of meshes near them, without histories.
     pub(crate) fn find_wall_pairs(
         &mut self,
         particles: &Particles,
@@ -203,15 +214,27 @@ impl Contacts {
         range: ListRange,
     ) {
         self.wall_pairs.clear();
+        let reach = range.interaction + range.skin;
+        let owned = &particles.body[..particles.owned_count()];
         for (number, (wall, pose)) in walls.iter().enumerate() {
-            for (particle, body) in particles.body[..particles.owned_count()].iter().enumerate() {
-                let gap = wall.height_at(&body.position, pose) - body.radius;
-                if gap < range.interaction + range.skin {
-                    self.wall_pairs.push(WallPair::of(particles, number as u32, particle as u32));
+            for (particle, body) in owned.iter().enumerate() {
+                let pair =
+                    |facet: u32| WallPair::of(particles, number as u32, particle as u32, facet);
+                if let Some(mesh) = wall.mesh() {
+                    let place = pose.seen_at_rest(&body.position);
+                    let near = |&facet: &u32| {
+                        mesh.nearest_on(&place, facet).from.distance - body.radius < reach
+                    };
+                    let facets = mesh.facets_near(&place, body.radius + reach);
+                    self.wall_pairs.extend(facets.filter(near).map(pair));
+                } else if wall.height_at(&body.position, pose) - body.radius < reach {
+                    self.wall_pairs.push(pair(0));
                 }
             }
         }
         self.wall_pairs.sort_unstable(); // in a bed of one species they are sorted already
+        let is_whole = |pair: &WallPair| walls.walls[pair.wall as usize].mesh().is_none();
+        self.wall_acts = self.wall_pairs.iter().map(is_whole).collect();
         self.wall_touching.clear();
         self.wall_touching.resize(self.wall_pairs.len(), false);
         self.wall_state.clear();
@@ -300,7 +323,8 @@ impl Contacts {
     ) {
         for contact in walls {
             let Some(index) = places.get(contact.particle) else { continue };
-            let pair = WallPair::of(particles, contact.wall as u32, index as u32);
+            let pair =
+                WallPair::of(particles, contact.wall as u32, index as u32, contact.facet as u32);
             let Ok(slot) = self.wall_pairs.binary_search(&pair) else { continue };
             self.wall_state[slot] = contact.state;
             self.wall_touching[slot] = true;

@@ -28,6 +28,7 @@ pub use columns::{Column, Columns};
 pub use contact_state::{
     ContactHistories, ContactHistory, ContactRecord, ContactState, WallContactRecord,
 };
+pub(crate) use contacts::WallPair;
 pub use contacts::{Contacts, LostContact};
 pub use custom_fields::CustomFields;
 pub(crate) use ghosts::{drift_copies, follow_originals};

@@ -3,7 +3,8 @@
 use super::energy;
 use super::laws::force_laws;
 use crate::contact::{
-    self, ForceLaws, add_contact_forces, add_flows, find_contacts, prepare_pairs, work_of_pairs,
+    self, ForceLaws, add_contact_forces, add_flows, find_contacts, find_mesh_contacts,
+    prepare_pairs, work_of_pairs,
 };
 use crate::domain::PosedWalls;
 use crate::particles::PairGroup;
@@ -24,6 +25,11 @@ pub(super) fn begin_forces<'a>(
     dt: f64,
 ) -> ForceLaws<'a> {
     let laws = force_laws(state, models, work, dt);
+    let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+    let State { particles, contacts, .. } = state;
+    work.timers.time(Phase::Walls, || {
+        find_mesh_contacts(particles, contacts, walls, laws.ranges.any);
+    });
     energy::before_forces(state, domain, models, work, &laws);
     let State { particles, contacts, .. } = state;
     work.timers.time(Phase::Contacts, || prepare_pairs(particles, contacts, &laws));

@@ -2,6 +2,7 @@
 //! move with the particles.
 
 use super::energy::add_departure;
+use crate::contact::find_mesh_contacts;
 use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
 use crate::gas::{GasLayout, ParticleLimits};
 use crate::numbers::ExactSum;
@@ -101,6 +102,7 @@ fn rebuild_lists(
     let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
     let rebuilt = work.neighbours.rebuild(particles, contacts, walls, work.list_range, histories);
     agree(rebuilt, ranks)?;
+    find_mesh_contacts(particles, contacts, walls, work.list_range.interaction);
     let are_partners = contacts.are_partners(particles);
     work.halo.follow(particles, |ghost| are_partners[ghost], ranks);
     Ok(())

@@ -6,7 +6,7 @@ use std::ops::Range;
 use bytemuck::Pod;
 use xxhash_rust::xxh3::xxh3_128;
 
-use talcum_engine::fields::{Field, groups};
+use talcum_engine::fields::{Field, Record, groups};
 use talcum_engine::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
@@ -63,7 +63,7 @@ impl Digest {
         let mut sums = [
             sum(b'p', (1, ParticleRecord::FIELDS), particles),
             sum(b'c', (2, ContactState::FIELDS), contacts),
-            sum(b'w', (2, ContactState::FIELDS), wall_contacts),
+            sum(b'w', (2, WallContactRecord::FIELDS), wall_contacts),
             sum(b'g', (1, CellRecord::FIELDS), cells),
             sum(b'l', (2, &[]), looked_at),
             sum_of_custom(particles, custom),

@@ -20,6 +20,8 @@ mod gas;
 mod instruments;
 mod lightest;
 mod merging;
+mod mesh_file;
+mod meshes;
 mod mixing;
 mod overrides;
 mod particles;
@@ -43,6 +45,8 @@ pub use crate::beds::{
 pub use bed::BedError;
 pub use changes::for_each_value;
 pub use changes::{Change, changes};
+pub use meshes::MeshFile;
+pub(crate) use meshes::is_mesh_in_results;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
 pub use renamed::use_first_names;
 pub use schema::FILE_KEYS;
@@ -51,6 +55,7 @@ pub use units::Units;
 
 use crate::input::{InputErrors, Node, Places, Problems, Section, read_text, rounded};
 use context::ReadContext;
+use meshes::with_checksums;
 use particles::Scales;
 use renamed::FormerNames;
 use species::SpeciesSections;
@@ -72,10 +77,12 @@ pub struct Case {
     pub title: String,
     /// The system of units of all numbers.
     pub units: Units,
-    /// The file's text with all overrides applied: reading it gives the same case.
+    /// The file's text with all overrides applied, and the checksums of its meshes: reading it gives the same case.
     pub text: String,
     /// Box and walls.
     pub domain: Domain,
+    /// The files of meshes.
+    pub mesh_files: Vec<MeshFile>,
     /// Stages, one after another; at least one.
     pub stages: Vec<Stage>,
     /// Particles; the parcels of a run that is coarse-grained.
@@ -149,6 +156,9 @@ impl Case {
             .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
         let mut case = problems.result(file_name, case)?;
         case.places.set_file_name(file_name);
+        if !case.mesh_files.is_empty() {
+            case.text = with_checksums(case.text, &case.mesh_files);
+        }
         Ok(case)
     }
 
@@ -316,7 +326,7 @@ fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static s
 fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> Option<Case> {
     let root = Section::open(tree, schema::ROOT, problems)?;
     let units = root.choice("units", &Units::ALL);
-    let domain = walls::read_domain(&root);
+    let (domain, mesh_files) = walls::read_domain(&root, folder).unzip();
     let species = SpeciesSections::read(&root);
     let (particles, scales) = match root.table("particles") {
         Some(section) => particles::read_particles(&section, units, &species, folder),
@@ -340,6 +350,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         units: units?,
         text,
         domain: domain?,
+        mesh_files: mesh_files.unwrap_or_default(),
         stages: stages?,
         particles: particles?,
         coarse_graining: None,

@@ -32,7 +32,7 @@ pub(super) fn read_side(section: &Section<'_>) -> Side {
     }
 }
 
-fn vector(section: &Section<'_>, name: &str) -> Option<Vector3<f64>> {
+pub(super) fn vector(section: &Section<'_>, name: &str) -> Option<Vector3<f64>> {
     section.vector(name).map(Vector3::from)
 }
 

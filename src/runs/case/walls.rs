@@ -1,6 +1,7 @@
 //! The walls: those in faces of the box, and those of the case.
 
 use super::boxes::{AXES, read_bounds};
+use super::meshes::{MeshFile, read_mesh};
 use super::schema::SHAPES;
 use super::surfaces::{
     direction, read_frequency, read_rotation, read_side, read_surface, read_times,
@@ -8,16 +9,25 @@ use super::surfaces::{
 use super::{Case, Stage};
 use crate::input::{Node, Problems, Section};
 use nalgebra::Vector3;
+use std::path::Path;
 use talcum_engine::domain::{Bounds, BoxFace, Side, Surface, Wall, WallMotion, WallShape};
 use talcum_engine::gas::GasModel;
 use talcum_engine::rules::speed_limit;
 use talcum_engine::state::Domain;
 
-/// `[box]` and `[[wall]]`.
-pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
+/// `[box]` and `[[wall]]`, and the files of meshes, which are relative to a folder.
+pub(super) fn read_domain(root: &Section<'_>, folder: &Path) -> Option<(Domain, Vec<MeshFile>)> {
     let bounds = root.table("box").as_ref().and_then(read_bounds);
-    let given: Vec<_> =
-        root.tables("wall").iter().map(|wall| (read_wall(wall), wall.node)).collect();
+    let mut files = Vec::new();
+    let mut given = Vec::new();
+    for (number, wall) in root.tables("wall").iter().enumerate() {
+        let mut read_mesh = |table: &Section<'_>| {
+            let (surface, file) = read_mesh(table, folder, number)?;
+            files.push(file);
+            Some(surface)
+        };
+        given.push((read_wall(wall, &mut read_mesh), wall.node));
+    }
     let Domain { bounds, walls: mut all } = Domain::of_box(bounds?);
     for (entry, node) in given {
         let Some(entry) = entry else { continue };
@@ -33,7 +43,7 @@ pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
             }
         }
     }
-    Some(Domain { bounds, walls: all })
+    Some((Domain { bounds, walls: all }, files))
 }
 
 /// The keys for the contacts of each wall, in the order of the walls.
@@ -58,7 +68,10 @@ enum Entry {
     Own(Box<Wall>),
 }
 
-fn read_wall(section: &Section<'_>) -> Option<Entry> {
+fn read_wall(
+    section: &Section<'_>,
+    read_mesh: &mut dyn FnMut(&Section<'_>) -> Option<Surface>,
+) -> Option<Entry> {
     let motion = read_motion(section);
     let given = section.given(&SHAPES)?;
     if given == "face" {
@@ -74,8 +87,9 @@ fn read_wall(section: &Section<'_>) -> Option<Entry> {
         "normal" => (read_plane(section), Side::Both),
         _ => {
             let table = section.table(given)?;
-            let surface = read_surface(given, &table).map(WallShape::Limited);
-            (surface, read_side(&table))
+            let surface =
+                if given == "mesh" { read_mesh(&table) } else { read_surface(given, &table) };
+            (surface.map(WallShape::Limited), read_side(&table))
         }
     };
     let wall = Wall { side, ..Wall::of_shape(section.text("name")?, shape?) };

@@ -1,6 +1,7 @@
 //! The folder of results: its files, and the mark of completion.
 
 use super::outputs::LISTED;
+use crate::case::{Case, is_mesh_in_results};
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
@@ -121,6 +122,7 @@ fn is_result(name: &str) -> bool {
     is_checkpoint(name)
         || is_stage_end(name)
         || is_of_measure(name)
+        || is_mesh_in_results(name)
         || fixed.contains(&name)
         || ["", ".metadata"].into_iter().any(of_listed)
 }
@@ -132,10 +134,10 @@ fn is_of_measure(name: &str) -> bool {
     name.starts_with("measure-") && ["", ".metadata"].into_iter().any(plain)
 }
 
-/// Makes the folder, with the case in effect; a run that is continued is no longer complete.
+/// Makes the folder, with the case in effect and copies of its meshes; a run that is continued is no longer complete.
 pub(super) fn make_folder(
     path: &Path,
-    case_text: &str,
+    case: &Case,
     ranks: &dyn Communicator,
 ) -> Result<(), OutputError> {
     let make = || {
@@ -147,8 +149,21 @@ pub(super) fn make_folder(
         Ok(())
     };
     on_root(path, ranks, || make().map_err(|error| error.to_string()))?;
-    let case = path.join("case.toml");
-    on_root(&case, ranks, || write_whole(&case, case_text.as_bytes())).map(|_| ())
+    for file in &case.mesh_files {
+        let copy = path.join(file.name_in_results());
+        on_root(&copy, ranks, || copy_whole(&file.path, &copy))?;
+    }
+    let file = path.join("case.toml");
+    on_root(&file, ranks, || write_whole(&file, case.text.as_bytes())).map(|_| ())
+}
+
+/// Copies a mesh, unless it is there.
+fn copy_whole(file: &Path, copy: &Path) -> Result<(), String> {
+    let content = std::fs::read(file).map_err(|error| error.to_string())?;
+    if std::fs::read(copy).is_ok_and(|former| former == content) {
+        return Ok(());
+    }
+    write_whole(copy, &content)
 }
 
 /// Marks the run as complete: batch scripts need not start it again. Collective.

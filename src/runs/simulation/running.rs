@@ -381,7 +381,7 @@ fn open_outputs(
     step: u64,
     ranks: &dyn Communicator,
 ) -> Result<Outputs, OutputError> {
-    make_folder(&folder.path, &case.text, ranks)?;
+    make_folder(&folder.path, case, ranks)?;
     if opening.continue_after.is_some() {
         checkpoint::supersede(&folder.path, step, ranks)?;
     }

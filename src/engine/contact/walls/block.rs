@@ -9,7 +9,7 @@ use crate::contact::lanes::{
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactForceLaw, ContactModel, WallTallies};
 use crate::numbers::{F64x4, four_mut, vectorised};
-use crate::particles::{AngleLanes, Contacts, LANES, Lanes, Particles, SpringLanes};
+use crate::particles::{AngleLanes, Contacts, LANES, Lanes, Particles, SpringLanes, WallPair};
 
 /// Particles near one wall for which one law holds.
 pub struct WallLoop<'a> {
@@ -119,10 +119,11 @@ impl WallBlock {
         let zero = [Q::splat(0.0); 4];
         for from in (0..LANES).step_by(4) {
             let (mut places, mut motions, mut spins, mut histories) = (zero, zero, zero, zero);
+            let mut facets = [0; 4];
             for row in 0..4 {
                 let (lane, slot) = (from + row, slots[last.min(from + row)] as usize);
-                let particle = contacts.wall_pairs[slot].particle;
-                self.particle[lane] = particle;
+                let WallPair { particle, facet, .. } = contacts.wall_pairs[slot];
+                (self.particle[lane], facets[row]) = (particle, facet);
                 let [place, motion, spin] = particles.body[particle as usize].vectors();
                 (places[row], motions[row]) = (Q::load(place), Q::load(motion));
                 spins[row] = Q::load(spin);
@@ -131,7 +132,7 @@ impl WallBlock {
                     self.gather_angles(contacts, lane, slot);
                 }
             }
-            self.set_kinematics::<Q, R>(from, wall, [places, motions, spins]);
+            self.set_kinematics::<Q, R>(from, (wall, facets), [places, motions, spins]);
             let [x, y, z, largest_overlap] = Q::transposed(histories);
             FourVectors([x, y, z]).store(&mut self.springs, from);
             largest_overlap.store(four_mut(&mut self.largest_overlaps, from));
@@ -144,14 +145,14 @@ impl WallBlock {
     fn set_kinematics<Q: F64x4, R: Rolling>(
         &mut self,
         from: usize,
-        wall: &WallNow,
+        (wall, facets): (&WallNow, [u32; 4]),
         [places, motions, spins]: [[Q; 4]; 3],
     ) {
         let Self { sizes, contacts, .. } = self;
         let [x, y, z, radius] = Q::transposed(places);
         let [u, v, w, mass] = Q::transposed(motions);
         let (position, spin) = (FourVectors([x, y, z]), FourVectors::of_rows(spins));
-        let (height, normal) = wall.heights_and_normals(position);
+        let (height, normal) = wall.heights_and_normals(position, facets);
         let overlap = radius.minus(height);
         let of_wall = wall.velocities(position, height, normal);
         let of_surfaces =

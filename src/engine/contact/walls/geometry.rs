@@ -40,19 +40,23 @@ impl WallNow<'_> {
         }
     }
 
-    /// Distances of four points from the wall, and the unit normals into it there.
+    /// Distances of four points from the wall, and the unit normals into it there; for a mesh, from these facets of it.
     #[inline(always)]
     pub(super) fn heights_and_normals<Q: F64x4>(
         &self,
         positions: FourVectors<Q>,
+        facets: [u32; 4],
     ) -> (Q, FourVectors<Q>) {
         match &self.wall.shape {
             WallShape::Plane { .. } | WallShape::Cylinder { .. } => {
                 (self.heights_of_four(positions), self.normals_into_wall(positions))
             }
             WallShape::Limited(_) => {
+                let mut facets = facets.into_iter();
                 let [x, y, z, heights] = one_by_one(positions, |position| {
-                    let (height, into_bed) = self.wall.height_and_normal(position, self.pose);
+                    let facet = facets.next().unwrap_or_default();
+                    let (height, into_bed) =
+                        self.wall.height_and_normal(position, self.pose, facet);
                     row(-into_bed, height)
                 });
                 (heights, FourVectors([x, y, z]))
@@ -109,7 +113,7 @@ fn row(vector: Vector3<f64>, last: f64) -> [f64; 4] {
 #[inline(always)]
 fn one_by_one<Q: F64x4>(
     vectors: FourVectors<Q>,
-    function: impl Fn(&Vector3<f64>) -> [f64; 4],
+    mut function: impl FnMut(&Vector3<f64>) -> [f64; 4],
 ) -> [Q; 4] {
     let (mut numbers, mut results) = ([[0.0; 4]; 4], [Q::splat(0.0); 4]);
     for (numbers, row) in numbers.iter_mut().zip(vectors.rows()) {

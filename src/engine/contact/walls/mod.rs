@@ -2,15 +2,17 @@
 
 mod block;
 mod geometry;
+mod mesh;
 mod search;
 
 pub(crate) use self::block::{WallLoop, add_wall};
 use self::geometry::WallNow;
+pub(crate) use self::mesh::find_mesh_contacts;
 use self::search::find_acting;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws, WallLaws};
 use super::{Contact, VanDerWaalsNow, WallTallies};
-use crate::domain::{PosedWalls, Wall, WallPose};
-use crate::particles::{Contacts, Particles};
+use crate::domain::PosedWalls;
+use crate::particles::{Contacts, Particles, WallPair};
 use nalgebra::Vector3;
 
 /// Adds the forces and torques of walls on particles; tallies the force on each wall.
@@ -36,7 +38,12 @@ pub(crate) fn add_wall_forces(
         let wall = WallNow { number, wall: &walls.walls[number], pose: &walls.poses[number] };
         let range = laws.ranges.any;
         acting.clear();
-        find_acting(particles, contacts, slots, wall, range, &mut acting);
+        if wall.wall.mesh().is_some() {
+            let acts = |&slot: &usize| contacts.wall_acts[slot] || contacts.wall_touching[slot];
+            acting.extend(slots.filter(acts).map(|slot| slot as u32));
+        } else {
+            find_acting(particles, contacts, slots, wall, range, &mut acting);
+        }
         let WallLaws { contact, cohesion } = laws.at_wall(number, first.species as usize);
         let ForceLaws { dt, limit, force_quantum, torque_quantum, .. } = *laws;
         contact.law.as_block_law().add_wall(WallLoop {
@@ -54,15 +61,16 @@ pub(crate) fn add_wall_forces(
 
 /// The contact of a particle and a wall.
 pub(super) fn contact_with(
-    wall: &Wall,
-    pose: &WallPose,
+    walls: PosedWalls<'_>,
+    pair: &WallPair,
     particles: &Particles,
-    i: usize,
     cohesion: Option<VanDerWaalsNow>,
 ) -> Contact {
+    let (number, i) = (pair.wall as usize, pair.particle as usize);
+    let (wall, pose) = (&walls.walls[number], &walls.poses[number]);
     let radius = particles.body[i].radius;
     let position = &particles.body[i].position;
-    let (height, into_bed) = wall.height_and_normal(position, pose);
+    let (height, into_bed) = wall.height_and_normal(position, pose, pair.facet);
     let overlap = radius - height;
     let spin = particles.body[i].angular_velocity;
     let normal = -into_bed;

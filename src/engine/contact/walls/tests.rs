@@ -6,17 +6,19 @@ use crate::contact::{
     ByPair, ContactForceLaw, ContactLaw, ContactModel, ExampleScales, Exchanges, RollingFriction,
     RollingKind, TwistingFriction, VanDerWaals,
 };
-use crate::domain::{Axis, Surface, WallRotation, WallShape};
+use crate::domain::{Axis, Mesh, Surface, Wall, WallPose, WallRotation, WallShape};
 use crate::numbers::{Quantum, Schedule, random_of, uniform};
 use crate::particles::{ContactState, InteractionRanges, LANES, ListRange};
 use nalgebra::Vector2;
+use std::sync::Arc;
 
 const SCALES: ExampleScales = ExampleScales { stiffness: 1.0e4, overlap: 0.01, restitution: 0.8 };
 const DT: f64 = 1.0e-3;
 const RADIUS: f64 = 0.5;
 
-/// A moving plate, a round column, a rectangle that has turned a little, and a frustum that turns about its axis.
-fn walls() -> ([Wall; 4], [WallPose; 4]) {
+/// A moving plate, a round column, a rectangle that has turned a little, a frustum that turns about its axis, and the
+/// mesh of a rough floor that has turned a little.
+fn walls() -> ([Wall; 5], [WallPose; 5]) {
     let plate = Wall::plane("plate", Vector3::zeros(), Vector3::z());
     let cylinder = Wall::cylinder("cylinder", Vector3::zeros(), 6.0);
     let displacement = Vector3::new(0.0, 0.0, 0.002);
@@ -38,11 +40,26 @@ fn walls() -> ([Wall; 4], [WallPose; 4]) {
     let ends = [Vector2::new(-1.0, 6.01), Vector2::new(2.0, 5.99)];
     let frustum = limited("frustum", Surface::Revolved { axis, ends });
     let frustum = Wall { rotation: Some(turning(Vector3::z(), 0.7)), ..frustum };
-    let turned = [&rectangle, &frustum].map(|wall| wall.pose(1.0, DT));
+    let floor = limited("floor", Surface::Mesh(Arc::new(floor())));
+    let floor = Wall { rotation: Some(turning(Vector3::y(), 0.002)), ..floor };
+    let turned = [&rectangle, &frustum, &floor].map(|wall| wall.pose(1.0, DT));
     assert!(turned[0].turn.unwrap().matrix.is_some() && turned[1].turn.unwrap().matrix.is_none());
     let moving = WallPose { displacement, velocity: displacement, turn: None };
-    let poses = [moving, WallPose::REST, turned[0], turned[1]];
-    ([plate, cylinder, rectangle, frustum], poses)
+    let poses = [moving, WallPose::REST, turned[0], turned[1], turned[2]];
+    ([plate, cylinder, rectangle, frustum, floor], poses)
+}
+
+/// A floor of triangles that rise and fall, some of them smoothly.
+fn floor() -> Mesh {
+    const SIDE: u32 = 30;
+    let place = |k: u32| {
+        let [x, y] = [k % SIDE, k / SIDE].map(|k| 0.5 * f64::from(k) - 7.0);
+        Vector3::new(x, y, 0.02 * (3.0 * x).sin() * (2.0 * y).cos())
+    };
+    let square = |k: u32| [[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]];
+    let squares = (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE + 1 < SIDE);
+    let facets: Vec<_> = squares.flat_map(square).collect();
+    Mesh::new((0..SIDE * SIDE).map(place).collect(), &facets, 0.04).unwrap()
 }
 
 /// Particles of two sizes and species in a layer: most of them at a wall, some at both walls.
@@ -80,12 +97,11 @@ fn one_by_one(
     friction: &mut Friction,
 ) -> Vec<[Vector3<f64>; 2]> {
     let mut loads = vec![[Vector3::zeros(); 2]; particles.owned_count()];
-    for slot in 0..contacts.wall_pairs.len() {
+    for slot in contacts.wall_slots().collect::<Vec<_>>() {
         let pair = contacts.wall_pairs[slot];
-        let (i, number) = (pair.particle as usize, pair.wall as usize);
-        let at_wall = laws.at_wall(number, particles.body[i].species());
-        let (wall, pose) = (&walls.walls[number], &walls.poses[number]);
-        let contact = contact_with(wall, pose, particles, i, at_wall.cohesion);
+        let i = pair.particle as usize;
+        let at_wall = laws.at_wall(pair.wall as usize, particles.body[i].species());
+        let contact = contact_with(walls, &pair, particles, at_wall.cohesion);
         let ContactModel { law, rolling, twisting, .. } = at_wall.contact;
         let state = &mut contacts.wall_state[slot];
         let mut history = state.history();
@@ -158,6 +174,8 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
         let walls = PosedWalls { walls: &walls, poses: &poses };
         let before = contacts.wall_touching.clone();
         particles.forces.iter_mut().for_each(|load| *load = Default::default());
+        find_mesh_contacts(&particles, &mut contacts, walls, range);
+        find_mesh_contacts(&particles, &mut reference, walls, range);
         add_wall_forces(&mut particles, &mut contacts, walls, &laws, &mut tallies).unwrap();
         let expected = one_by_one(&particles, &mut reference, walls, &laws, &mut friction);
         let found: Vec<[Vector3<f64>; 2]> =
@@ -166,7 +184,7 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
         assert_eq!(contacts.wall_touching, reference.wall_touching);
         assert_eq!(contacts.wall_state, reference.wall_state);
         let on_walls: [i64; 3] =
-            [0, 1, 2].map(|axis| (0..4).map(|wall| tallies.on_wall(wall)[axis]).sum());
+            [0, 1, 2].map(|axis| (0..5).map(|wall| tallies.on_wall(wall)[axis]).sum());
         let sum = found.iter().fold(Vector3::zeros(), |sum, [force, _]| sum + force);
         assert_eq!(on_walls, [0, 1, 2].map(|axis| -laws.force_quantum.count(sum[axis])));
         for (before, now) in before.into_iter().zip(&contacts.wall_touching) {

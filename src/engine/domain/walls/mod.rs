@@ -1,10 +1,14 @@
 //! Walls: planes, cylinders and surfaces of limited extent, at rest or in a motion that is a function of time.
 
+mod from_surface;
+mod mesh;
 mod rotation;
 mod surface;
 
-pub use self::rotation::{Turn, WallRotation};
-pub use self::surface::{Axis, Bend, FromSurface, Surface};
+pub use self::from_surface::FromSurface;
+pub use self::mesh::{Edge, Facet, Feature, Mesh, MeshError, NearestOnFacet, join_vertices};
+pub use self::rotation::{Turn, WallRotation, rotation};
+pub use self::surface::{Axis, Bend, Surface};
 
 use super::{Bounds, BoxFace};
 use crate::numbers::sine;
@@ -44,7 +48,7 @@ pub enum Side {
 }
 
 /// The surface of a wall. The particles are on one side of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum WallShape {
     /// An infinite plane.
     Plane {
@@ -177,15 +181,37 @@ impl WallPose {
         self.velocity + angular_velocity.cross(&(point - (centre + self.displacement)))
     }
 
+    /// The place of a point relative to the wall, as if the wall were at rest.
+    pub fn seen_at_rest(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let point = point - self.displacement;
+        match &self.turn {
+            Some(Turn { point: centre, matrix: Some(matrix), .. }) => {
+                centre + matrix.tr_mul(&(point - centre))
+            }
+            _ => point,
+        }
+    }
+
+    /// A direction that moves with the wall, in this pose.
+    fn turned(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        match &self.turn {
+            Some(Turn { matrix: Some(matrix), .. }) => matrix * direction,
+            _ => direction,
+        }
+    }
+
     /// Distance and direction of a point from a surface in this pose.
     fn nearest(&self, surface: &Surface, point: &Vector3<f64>) -> FromSurface {
-        let point = point - self.displacement;
-        let Some(Turn { point: centre, matrix: Some(matrix), .. }) = &self.turn else {
-            return surface.nearest(&point);
-        };
-        let at_rest = centre + matrix.tr_mul(&(point - centre));
-        let found = surface.nearest(&at_rest);
-        FromSurface { direction: matrix * found.direction, ..found }
+        let found = surface.nearest(&self.seen_at_rest(point));
+        FromSurface { direction: self.turned(found.direction), ..found }
+    }
+
+    /// Distance and direction of a point from one facet of a mesh in this pose, and where on the facet the nearest point
+    /// lies.
+    pub fn nearest_on(&self, mesh: &Mesh, point: &Vector3<f64>, facet: u32) -> NearestOnFacet {
+        let NearestOnFacet { from, feature } = mesh.nearest_on(&self.seen_at_rest(point), facet);
+        let direction = self.turned(from.direction);
+        NearestOnFacet { from: FromSurface { direction, ..from }, feature }
     }
 }
 
@@ -287,22 +313,28 @@ impl Wall {
         }
     }
 
-    /// Distance of a point from the wall, and the unit normal there, as by [`Wall::height_at`] and [`Wall::normal_at`].
+    /// Distance of a point from the wall, and the unit normal there, as by [`Wall::height_at`] and [`Wall::normal_at`];
+    /// for a mesh, from this facet of it.
     #[inline(always)]
     pub fn height_and_normal(
         &self,
         position: &Vector3<f64>,
         pose: &WallPose,
+        facet: u32,
     ) -> (f64, Vector3<f64>) {
-        match &self.shape {
+        let FromSurface { distance, direction } = match &self.shape {
             WallShape::Plane { .. } | WallShape::Cylinder { .. } => {
-                (self.height_at(position, pose), self.normal_at(position, pose))
+                return (self.height_at(position, pose), self.normal_at(position, pose));
             }
-            WallShape::Limited(surface) => {
-                let FromSurface { distance, direction } = pose.nearest(surface, position);
-                (distance, direction)
-            }
-        }
+            WallShape::Limited(Surface::Mesh(mesh)) => pose.nearest_on(mesh, position, facet).from,
+            WallShape::Limited(surface) => pose.nearest(surface, position),
+        };
+        (distance, direction)
+    }
+
+    /// The facets of a mesh; `None` for other walls.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        if let WallShape::Limited(surface) = &self.shape { surface.mesh() } else { None }
     }
 
     /// Largest distance by which the wall can have moved towards particles from one pose to another.

@@ -80,8 +80,9 @@ impl WallRotation {
     }
 }
 
-/// The matrix of a rotation about a unit vector k by an angle: cos I + sin K + (1 - cos) k k^T, where K v = k x v.
-fn rotation(k: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+/// The matrix of a rotation about a unit vector k by an angle in radians: cos I + sin K + (1 - cos) k k^T, where
+/// K v = k x v.
+pub fn rotation(k: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
     let (sine, cosine) = (sine(angle), sine(angle + 0.5 * PI));
     Matrix3::identity() * cosine + k.cross_matrix() * sine + k * k.transpose() * (1.0 - cosine)
 }

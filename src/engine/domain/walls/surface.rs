@@ -1,11 +1,14 @@
-//! Thin surfaces of limited extent: rectangles, discs, cylinders, cones, spheres and bends of pipes. Particles may touch
-//! them from both sides, and at their edges.
+//! Thin surfaces of limited extent: rectangles, discs, cylinders, cones, spheres, bends of pipes and meshes. Particles
+//! may touch them from both sides, and at their edges.
 
+use super::from_surface::FromSurface;
+use super::mesh::Mesh;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// A thin surface of limited extent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// A flat rectangle.
     Rectangle {
@@ -30,6 +33,8 @@ pub enum Surface {
     },
     /// The bend of a round pipe: a part of a torus.
     Bend(Bend),
+    /// A surface of triangles.
+    Mesh(Arc<Mesh>),
 }
 
 /// A straight line in space.
@@ -56,15 +61,6 @@ pub struct Bend {
     pub radius: f64,
     /// Angle of the bend, in radians, at most 2 pi.
     pub angle: f64,
-}
-
-/// Distance and direction of a point from the nearest point of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FromSurface {
-    /// Distance; length.
-    pub distance: f64,
-    /// Unit vector from the nearest point of the surface; zero on the surface and where no point is the nearest.
-    pub direction: Vector3<f64>,
 }
 
 impl Axis {
@@ -101,20 +97,6 @@ fn perpendicular_to(direction: &Vector3<f64>) -> Vector3<f64> {
     direction.cross(&other).normalize()
 }
 
-impl FromSurface {
-    /// The distance and direction of a point that lies at an offset from the nearest point of the surface.
-    fn at(offset: Vector3<f64>) -> Self {
-        let distance = offset.norm();
-        let direction = if distance > 0.0 { offset / distance } else { Vector3::zeros() };
-        Self { distance, direction }
-    }
-
-    /// The distance and direction of a point at a signed height along a unit normal of the surface.
-    fn above(height: f64, normal: Vector3<f64>) -> Self {
-        Self { distance: height.abs(), direction: normal * height.signum() }
-    }
-}
-
 impl Surface {
     /// Distance and direction of a point from the surface.
     pub fn nearest(&self, point: &Vector3<f64>) -> FromSurface {
@@ -132,11 +114,17 @@ impl Surface {
                 FromSurface::above(distance - radius, outwards)
             }
             Self::Bend(bend) => bend.nearest(point),
+            Self::Mesh(mesh) => mesh.nearest(point),
         }
     }
 
+    /// The facets of a mesh; `None` for other surfaces.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
+    }
+
     /// Whether a point lies in the room that the surface surrounds: inside a cylinder or cone and between its ends, in a
-    /// sphere, in a bend of a pipe. Rectangles and discs surround none.
+    /// sphere, in a bend of a pipe, in a closed mesh. Rectangles and discs surround none.
     pub fn surrounds(&self, point: &Vector3<f64>) -> bool {
         match self {
             Self::Rectangle { .. } => false,
@@ -148,6 +136,7 @@ impl Surface {
             }
             Self::Sphere { centre, radius } => (point - centre).norm() < *radius,
             Self::Bend(bend) => bend.surrounds(point),
+            Self::Mesh(mesh) => mesh.surrounds(point),
         }
     }
 
@@ -162,6 +151,10 @@ impl Surface {
             }
             Self::Sphere { centre, radius } => (*centre, *radius),
             Self::Bend(bend) => (bend.centre, bend.bend_radius + bend.radius),
+            Self::Mesh(mesh) => {
+                let [lower, upper] = mesh.extent();
+                (0.5 * (lower + upper), 0.5 * (upper - lower).norm())
+            }
         }
     }
 
@@ -169,7 +162,7 @@ impl Surface {
     pub fn is_symmetric_about(&self, axis: &Axis) -> bool {
         let (_, size) = self.hull();
         match self {
-            Self::Rectangle { .. } | Self::Bend(_) => false,
+            Self::Rectangle { .. } | Self::Bend(_) | Self::Mesh(_) => false,
             Self::Revolved { axis: own, .. } => own.is_along(axis, size),
             Self::Sphere { centre, .. } => axis.passes(centre, size),
         }
@@ -179,7 +172,7 @@ impl Surface {
     pub fn own_axis(&self) -> Option<Axis> {
         match self {
             Self::Revolved { axis, .. } => Some(*axis),
-            Self::Rectangle { .. } | Self::Sphere { .. } | Self::Bend(_) => None,
+            Self::Rectangle { .. } | Self::Sphere { .. } | Self::Bend(_) | Self::Mesh(_) => None,
         }
     }
 
@@ -199,7 +192,7 @@ impl Surface {
                 (direction.abs() == 1.0 && first.y == last.y)
                     .then(|| range(middle, 0.5 * (last.x - first.x)))
             }
-            Self::Sphere { .. } | Self::Bend(_) => None,
+            Self::Sphere { .. } | Self::Bend(_) | Self::Mesh(_) => None,
         }
     }
 }
@@ -340,6 +333,7 @@ mod tests {
                     + outwards * (bend.bend_radius + bend.radius * cosine)
                     + normal * (bend.radius * sine)
             }
+            Surface::Mesh(_) => unreachable!("meshes have tests of their own"),
         };
         parts().flat_map(|u| parts().map(move |v| place(u, v))).collect()
     }
@@ -397,7 +391,7 @@ mod tests {
 
     #[test]
     fn rooms_are_surrounded_by_closed_shapes() {
-        let [_, disc, _, cylinder, cone, _, sphere, bend] = surfaces()[..] else { panic!() };
+        let [_, disc, _, cylinder, cone, _, sphere, bend] = &surfaces()[..] else { panic!() };
         let axis = cylinder.own_axis().unwrap();
         let inside = axis.point + axis.direction * 1.2;
         assert!(cylinder.surrounds(&inside) && cone.surrounds(&inside) && !disc.surrounds(&inside));
@@ -424,7 +418,7 @@ mod tests {
 
     #[test]
     fn symmetry_is_that_of_the_axis() {
-        let [rectangle, disc, .., sphere, _] = surfaces()[..] else { panic!() };
+        let [rectangle, disc, .., sphere, _] = &surfaces()[..] else { panic!() };
         let axis = disc.own_axis().unwrap();
         let opposite = Axis { direction: -axis.direction, ..axis };
         let shifted = Axis { point: axis.point + Vector3::new(1.0e-3, 0.0, 0.0), ..axis };

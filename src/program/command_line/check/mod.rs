@@ -4,6 +4,7 @@ mod adhesion;
 mod bed;
 mod gas;
 mod lines;
+mod mesh;
 mod particle;
 mod partners;
 mod stage;
@@ -126,13 +127,18 @@ fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
         let _ = writeln!(message, "  {axis}: lower {lower}, upper {upper}");
     }
     for wall in &case.domain.walls {
-        let _ = writeln!(message, "  wall \"{}\" {}", wall.name, describe_wall(wall));
+        let _ = writeln!(
+            message,
+            "  wall \"{}\" {}",
+            wall.name,
+            describe_wall(wall, case.domain.bounds.lengths().norm())
+        );
     }
 }
 
 /// Position and motion of a wall.
-fn describe_wall(wall: &Wall) -> String {
-    let mut message = match wall.shape {
+fn describe_wall(wall: &Wall, box_size: f64) -> String {
+    let mut message = match &wall.shape {
         WallShape::Plane { point: p, normal: n } => format!(
             "through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
             six_digits(p.x),
@@ -145,7 +151,7 @@ fn describe_wall(wall: &Wall) -> String {
         WallShape::Cylinder { centre, radius } => {
             format!("round about ({}, {}), radius {radius}, particles inside", centre.x, centre.y)
         }
-        WallShape::Limited(surface) => describe_surface(&surface),
+        WallShape::Limited(surface) => describe_surface(surface, box_size),
     };
     let WallMotion { velocity: v, amplitude: a, frequency, start, end } = wall.motion;
     if !wall.motion.is_rest() {
@@ -175,9 +181,10 @@ fn describe_rotation(rotation: &WallRotation) -> String {
     message
 }
 
-/// Kind, place and size of a surface.
-fn describe_surface(surface: &Surface) -> String {
+/// Kind, place and size of a surface in a box of this size.
+fn describe_surface(surface: &Surface, box_size: f64) -> String {
     match surface {
+        Surface::Mesh(mesh) => mesh::describe_mesh(mesh, box_size),
         Surface::Rectangle { centre, half_edges: [one, other] } => format!(
             "rectangle about {}, edges {} and {}",
             point(centre),

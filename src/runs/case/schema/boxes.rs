@@ -43,14 +43,14 @@ const FACE_NAMES: &[Word] = &[
 ];
 
 /// Keys of which each wall has one: its shape, or the face of the box in which it lies.
-pub(in crate::case) const SHAPES: [&str; 9] =
-    ["normal", "radius", "face", "rectangle", "disc", "cylinder", "cone", "sphere", "bend"];
+pub(in crate::case) const SHAPES: [&str; 10] =
+    ["normal", "radius", "face", "rectangle", "disc", "cylinder", "cone", "sphere", "bend", "mesh"];
 
 /// These keys without the one at a place.
-const fn others(place: usize) -> [&'static str; 8] {
-    let mut others = [""; 8];
+const fn others(place: usize) -> [&'static str; 9] {
+    let mut others = [""; 9];
     let mut k = 0;
-    while k < 8 {
+    while k < 9 {
         others[k] = SHAPES[if k < place { k } else { k + 1 }];
         k += 1;
     }
@@ -58,8 +58,18 @@ const fn others(place: usize) -> [&'static str; 8] {
 }
 
 /// Keys that the wall of a face does not have.
-const NOT_OF_FACES: &[&str] =
-    &["normal", "radius", "rectangle", "disc", "cylinder", "cone", "sphere", "bend", "name"];
+const NOT_OF_FACES: &[&str] = &[
+    "normal",
+    "radius",
+    "rectangle",
+    "disc",
+    "cylinder",
+    "cone",
+    "sphere",
+    "bend",
+    "mesh",
+    "name",
+];
 
 /// Where an initial bed may lie.
 const SIDE: Key = Key::word(
@@ -141,6 +151,44 @@ const BEND: &[Key] = &[
     SIDE,
 ];
 
+const MESH: &[Key] = &[
+    Key::new(
+        "file",
+        Kind::Text,
+        "The file of its triangles, relative to the case file: `.stl`, of text or binary, or `.obj`",
+    ),
+    Key::number(
+        "scale",
+        Allowed::POSITIVE,
+        "Factor from the lengths of the file to those of the case, such as 0.001 from millimetres to metres",
+    )
+    .default(Value::Number(1.0)),
+    Key::new(
+        "axis",
+        Kind::Vector(Allowed::FINITE, 3),
+        "Axis through the origin of the file about which the mesh is turned after it is scaled, not all 0",
+    )
+    .optionally("not turned"),
+    Key::number("angle", Allowed::FINITE, "Angle by which it is turned, right-handed, in degrees")
+        .unit("degree")
+        .with("axis"),
+    point("shift", "Where the origin of the file then lies").optionally("the origin of the box"),
+    Key::number(
+        "feature_angle",
+        Allowed::NOT_NEGATIVE,
+        "Bend of two triangles from which their edge counts as sharp, in degrees",
+    )
+    .unit("degree")
+    .default(Value::Number(30.0)),
+    Key::new(
+        "checksum",
+        Kind::Text,
+        "BLAKE3 hash of the file, which the case in results and checkpoints has: a run does not continue with another mesh",
+    )
+    .optionally("that of the file"),
+    SIDE,
+];
+
 const ROTATION: &[Key] = &[
     Key::number("speed", Allowed::FINITE, "Angular speed omega, in radians per time")
         .unit("1/time")
@@ -215,6 +263,8 @@ pub(in crate::case) const WALL: &[Key] = &[
     Key::new("sphere", Kind::Table(SPHERE), "A sphere").or(const { &others(7) }),
     Key::new("bend", Kind::Table(BEND), "The bend of a round pipe: a part of a torus")
         .or(const { &others(8) }),
+    Key::new("mesh", Kind::Table(MESH), "Triangles from a file, in any shape")
+        .or(const { &others(9) }),
     Key::new("rotation", Kind::Table(ROTATION), "Rotation about an axis").optionally("none"),
     Key::new("velocity", Kind::Vector(Allowed::FINITE, 3), "Velocity v of the motion")
         .unit("speed")
@@ -264,7 +314,7 @@ pub(super) const WALL_CHAPTER: Chapter = Chapter {
     keys: WALL,
     before: "\
 Each `[[wall]]` is a plane (`point` and `normal`), a round column (`centre` and `radius`), a surface of limited extent
-(`rectangle`, `disc`, `cylinder`, `cone`, `sphere`, `bend`), or says more about the wall in a face of the box (`face`).",
+(`rectangle`, `disc`, `cylinder`, `cone`, `sphere`, `bend`, `mesh`), or says more about the wall in a face of the box (`face`).",
     after: "\
 A wall is displaced by v tau + A sin(2 pi f tau), where tau is the time since `start`: a function of time alone. Its
 velocity acts on particles through dashpots and friction, in its plane too. The wall of a face moves in its plane or
@@ -278,7 +328,12 @@ contacts where they meet. They lie where the box is not periodic, or reach throu
 omega (tau - T / 2) + A sin(2 pi f tau); during the ramp, while tau < T, its first part is omega tau^2 / (2 T). A drum is a
 `cylinder` with a `disc` at each end, which turn about their axis; nothing but the velocity of their surface changes then.
 The axis of a rotation moves with the translation of the wall. Planes turn about their normals only. A volume-averaged gas
-flows around none of them.",
+flows around none of them.
+
+The triangles of a mesh that a particle touches make one contact, at the nearest point, if they are connected by edges
+that bend by less than `feature_angle`; so a smooth surface acts as one wall, however fine its triangles. A convex edge
+makes one contact, and a concave one that is sharper makes one contact on each side. `talcum check` reports whether the mesh is
+closed, and its size.",
 };
 
 #[cfg(test)]
