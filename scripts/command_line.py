@@ -22,7 +22,7 @@ HEAD = """\
 <!-- Written by scripts/command_line.py from the program's own --help: change that. -->
 
 This page has the program's own help. [Running a case](running.md) explains the commands that run cases. For `analyse` see
-[Measuring on results](analyse.md), for `study` and `summary` see [Studies](study.md), and for `contact` see
+[Analyses of results](analyse.md), for `study` and `summary` see [Studies](study.md), and for `contact` see
 [Contacts](theory/contacts.md).
 """
 

@@ -78,7 +78,7 @@ def part(name: str, seconds: float) -> str:
     what, look = lines[0].removeprefix("# "), lines[1].removeprefix("# Look at: ")
     title, rest = what.split(": ", 1)
     count = next(line.split("=")[1].split("#")[0].strip() for line in lines if line.startswith("count ="))
-    look = re.sub(r"(python -m talcum\.\w+ results/[\w-]+(?: --\w+ \w+)?|talcum analyse results/[\w-]+ --measure \w+)", r"`\1`", look)
+    look = re.sub(r"(python -m talcum\.\w+ results/[\w-]+(?: --\w+ \w+)?|talcum analyse results/[\w-]+ --analysis \w+)", r"`\1`", look)
     return (
         f"## {title}\n\n{rest[0].upper()}{rest[1:]}\n\n`talcum new {name}`; {count} particles, {seconds:.0f} s. Look at: {look}\n\n"
         f"![{title}](gallery-{name}.png)\n"

@@ -53,7 +53,7 @@ def parts(root: Path) -> list[tuple[str, Path]]:
 
 
 def without_claim(root: Path) -> list[str]:
-    """Files with tests that have no comment at their heads."""
+    """Files with tests that have no comment at their head."""
     return [str(file.relative_to(root)) for file in files_with_tests(root) if not claim(file.read_text(encoding="utf-8"))]
 
 

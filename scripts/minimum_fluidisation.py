@@ -34,7 +34,7 @@ WAYS = {"up": (BLUE, "o"), "down": (ORANGE, "s")}
 def report(found: Analysis, way: str) -> str:
     """The line of numbers of a ramp, or the reason why there are none."""
     if f"u_mf.{way}" not in found.values:
-        return f"{way}: no value can be given: {found.reasons.get(f'u_mf.{way}', 'not measured')}"
+        return f"{way}: no value can be given: {found.reasons.get(f'u_mf.{way}', 'not analysed')}"
     named = {"plateau": "plateau", "overshoot": "overshoot", "solids_fraction": "phi", "balance": "force balance"}
     parts = [f"{shown} {found.text(f'u_mf.{way}_{name}')}" for name, shown in named.items()]
     ratio = f"ratio {found.text(f'u_mf.{way}_ratio')}"
@@ -84,7 +84,7 @@ def draw(series: Series, found: Analysis):
 
 
 def main(command_line: list[str] | None = None) -> None:
-    """Measures with `talcum analyse`, prints and draws."""
+    """Analyses the run with `talcum analyse`, prints and draws."""
     arguments = argument_parser(__doc__, "minimum_fluidisation.png").parse_args(command_line)
     found = analyse(arguments.results, ["u_mf"], arguments.start, arguments.end)
     for way in WAYS:

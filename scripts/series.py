@@ -21,7 +21,7 @@ from talcum_results import (
 
 import numpy as np
 
-# Panels: title, words of the vertical axis, its scale, and the lines: column, words of the legend, colour.
+# Panels: title, label of the vertical axis, its scale, and the lines: column, label, colour.
 PANELS = [
     (
         "forces",

@@ -121,7 +121,7 @@ def draw_measured(panel, found: Analysis) -> None:
 
 
 def main(command_line: list[str] | None = None) -> None:
-    """Measures with `talcum analyse`, prints and draws."""
+    """Analyses the run with `talcum analyse`, prints and draws."""
     parser = argument_parser(__doc__, "spacetime.png")
     parser.add_argument("--height", type=float, metavar="Z", help="top of the figure (default: top of the bed)")
     parser.add_argument(

@@ -72,14 +72,14 @@ class StudyTable:
         except ValueError:
             return self.texts(name)
 
-    def estimates(self, measure: str) -> list[Estimate]:
-        """A measure of every point with its interval."""
-        return [self.estimate(row, measure) for row in self.rows]
+    def estimates(self, quantity: str) -> list[Estimate]:
+        """A quantity of every point with its interval."""
+        return [self.estimate(row, quantity) for row in self.rows]
 
-    def estimate(self, row: dict[str, str], measure: str) -> Estimate:
-        """A measure of one point with its interval."""
-        mean, lower, upper = (number_of(self.cell(row, measure + end)) for end in ("", "_lower", "_upper"))
-        given = row.get(f"{measure}_runs", row.get("runs", "0"))
+    def estimate(self, row: dict[str, str], quantity: str) -> Estimate:
+        """A quantity of one point with its interval."""
+        mean, lower, upper = (number_of(self.cell(row, quantity + end)) for end in ("", "_lower", "_upper"))
+        given = row.get(f"{quantity}_runs", row.get("runs", "0"))
         runs = int(given) if mean == mean else 0
         return Estimate(mean, lower, upper, runs)
 
@@ -106,7 +106,7 @@ def read_study_table(file: Path) -> StudyTable:
     except (OSError, UnicodeDecodeError) as error:
         raise ResultsError(f"{file}: cannot be read: {error}") from error
     notes = [line[2:].split(": ", 1) for line in lines if line.startswith("# ")]
-    # If several lines have one name, such as those of the measures, the first counts.
+    # If several lines have one name, such as those of the quantities, the first counts.
     provenance = {note[0]: note[-1] for note in reversed(notes)}
     table = list(csv.reader(line for line in lines if not line.startswith("#")))
     if not table:

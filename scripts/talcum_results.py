@@ -285,7 +285,7 @@ class Analysis:
     def text(self, name: str) -> str:
         """A number with its error and unit, as text; if there is none, the reason in brackets."""
         if name not in self.values:
-            return f"none ({self.reasons.get(name, 'not measured')})"
+            return f"none ({self.reasons.get(name, 'not analysed')})"
         value, error, unit = self.values[name], self.errors.get(name), self.units.get(name, "1")
         if isinstance(value, str):
             return value
@@ -312,12 +312,12 @@ def program() -> str:
     return found
 
 
-def analyse(results: Path, measures: list[str], start: float | None = None, end: float | None = None) -> Analysis:
-    """Measures on a folder of results, between two times, with `talcum analyse`."""
+def analyse(results: Path, analyses: list[str], start: float | None = None, end: float | None = None) -> Analysis:
+    """Analyses a folder of results, between two times, with `talcum analyse`."""
     if not results.is_dir():
         raise ResultsError(f"{results}: there is no such folder; name the output folder of a run")
     command = [program(), "analyse"]
-    command += [word for name in measures for word in ("--measure", name)]
+    command += [word for name in analyses for word in ("--analysis", name)]
     command += [f"--from={float(start)!r}"] if start is not None else []
     command += [f"--to={float(end)!r}"] if end is not None else []
     with tempfile.TemporaryDirectory() as folder:

@@ -12,7 +12,7 @@ from unittest import mock
 import numpy as np
 
 from benchmark import (
-    agreement, coupled, floor, gas, instructions, kernels, measures, peers, processor, ranks, runs, scaling, states, tables
+    agreement, coupled, floor, gas, instructions, instruments, kernels, peers, processor, ranks, runs, scaling, states, tables
 )  # fmt: skip
 from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
 from benchmark.states import Particles
@@ -100,19 +100,19 @@ class TestPlaces(unittest.TestCase):
             self.assertIn(f"<!-- end of {part} -->", text)
 
 
-class TestMeasures(unittest.TestCase):
-    """What measures cost."""
+class TestInstruments(unittest.TestCase):
+    """What instruments cost."""
 
     def test_each_kind_stands_in_the_case_and_looks_at_the_interval(self) -> None:
-        text = measures.case_with(list(measures.KINDS), 100)
-        self.assertEqual(text.count("[measure."), len(measures.KINDS))
-        self.assertEqual(text.count("every = 0.025\n"), len(measures.KINDS))
-        self.assertNotIn("[measure.", measures.case_with([], 100))
+        text = instruments.case_with(list(instruments.KINDS), 100)
+        self.assertEqual(text.count("[measure."), len(instruments.KINDS))
+        self.assertEqual(text.count("every = 0.025\n"), len(instruments.KINDS))
+        self.assertNotIn("[measure.", instruments.case_with([], 100))
 
     def test_a_share_is_over_all_other_phases(self) -> None:
-        run = runs.Measured(1.0, stages={"contact forces": 0.6, "measures": 0.1, "output": 0.3})
-        self.assertAlmostEqual(measures.share(run), 0.1 / 0.6)
-        self.assertEqual(measures.share(runs.Measured(1.0, stages={"contact forces": 1.0})), 0.0)
+        run = runs.Measured(1.0, stages={"contact forces": 0.6, "instruments": 0.1, "output": 0.3})
+        self.assertAlmostEqual(instruments.share(run), 0.1 / 0.6)
+        self.assertEqual(instruments.share(runs.Measured(1.0, stages={"contact forces": 1.0})), 0.0)
 
 
 class TestGas(unittest.TestCase):

@@ -30,7 +30,7 @@ class TestDimensionScales(unittest.TestCase):
                 # Negative control: a table is no scale.
                 self.assertFalse(file["solids_fraction"].is_scale)
 
-    def test_measures_have_times_and_what_their_arrays_run_along(self) -> None:
+    def test_tables_of_instruments_have_times_and_what_their_arrays_run_along(self) -> None:
         measure = '\n[measure.stress]\nkind = "stress"\nevery = 0.02\naverage = 0.1\nlayers = 10\n'
         with tempfile.TemporaryDirectory() as folder:
             case = Path(folder) / "case.toml"

@@ -26,7 +26,7 @@ MEASURES = ("pressure_drop", "pressure_deviation", "gas_force", "weight", "coord
 
 
 def write_table(file: h5py.File, name: str, columns: dict[str, np.ndarray]) -> None:
-    """A table of a measure."""
+    """A table of an instrument."""
     for column, values in columns.items():
         file.create_dataset(f"{name}/{column}", data=values)
 
@@ -56,7 +56,7 @@ class TestCurves(ScriptTest):
         shutil.copy(run / "measure-agglomerates.h5", self.folder / "breakage/runs/one/measure-rates.h5")
 
     def write_run(self, run: Path) -> None:
-        """Its series and measures: 20 ms of series, one window of three looks."""
+        """Its series and instruments: 20 ms of series, one window of three looks."""
         rows = [f"{0.001 * step:.3f},{1.0 + step},{2.0},{1.0e-3},{1.0e-12 * step},{1.0},{10 * step}" for step in range(21)]
         head = "time [s],grid_pressure_drop [1],coordination_number [1],centre_height [m],fluctuating_kinetic_energy [J],gas_force [1],departed [1]"
         (run / "series.csv").write_text("\n".join(["# title: t", head, *rows]) + "\n")

@@ -125,7 +125,7 @@ class TestRun(unittest.TestCase):
         with self.assertRaisesRegex(talcum.ResultsError, "nothing at time 2.8; the nearest is 3"):
             self.bed.particles(2.8, exact=True)
 
-    def test_contacts_of_measure_and_checkpoint_are_the_same_pairs(self) -> None:
+    def test_contacts_of_instrument_and_checkpoint_are_the_same_pairs(self) -> None:
         lines, kept, early = self.bed.contacts(4.0), self.bed.contacts(4.0, checkpoint=True), self.bed.contacts(1.0)
         self.assertGreater(lines.rows, 10)
         pairs = [set(zip(table["lower"].tolist(), table["higher"].tolist())) for table in (lines, kept, early)]
@@ -147,15 +147,15 @@ class TestRun(unittest.TestCase):
         with self.assertRaisesRegex(talcum.ResultsError, "has no column 'bed_topp'; it has time, "):
             self.bed.series["bed_topp"]
 
-    def test_measures(self) -> None:
-        self.assertEqual(self.bed.measures, {"grains": "agglomerates", "network": "contacts"})
-        measure = self.bed.agglomerates()
-        self.assertEqual(measure["results"].rows, 8)
-        self.assertIn("largest", measure.scalars)
-        self.assertEqual(measure["results"]["number_by_size"].shape, (8, len(measure.constants["size_limits"]) - 1))
+    def test_instruments(self) -> None:
+        self.assertEqual(self.bed.instruments, {"grains": "agglomerates", "network": "contacts"})
+        grains = self.bed.agglomerates()
+        self.assertEqual(grains["results"].rows, 8)
+        self.assertIn("largest", grains.scalars)
+        self.assertEqual(grains["results"]["number_by_size"].shape, (8, len(grains.constants["size_limits"]) - 1))
         with self.assertRaisesRegex(talcum.ResultsError, "no table 'result'; it has agglomerates"):
-            measure["result"]
-        with self.assertRaisesRegex(talcum.ResultsError, "no measure 'network' of kind agg.*there are: grains"):
+            grains["result"]
+        with self.assertRaisesRegex(talcum.ResultsError, "no instrument 'network' of kind agg.*there are: grains"):
             self.bed.agglomerates("network")
 
     def test_the_same_bits_on_two_ranks(self) -> None:
@@ -265,7 +265,7 @@ class TestRun(unittest.TestCase):
         readers = {
             "profiles.h5": lambda: bed.profiles.between(1.0, 2.0),
             "particles.vtkhdf": lambda: (bed.times, bed.particles(1.0).rows),
-            "measure-grains.h5": lambda: [table.rows for table in bed.measure("grains").tables.values()],
+            "measure-grains.h5": lambda: [table.rows for table in bed.instrument("grains").tables.values()],
             "measure-network.vtkhdf": lambda: bed.contacts(4.0).rows,
             checkpoint: lambda: (bed.checkpoint().contacts.rows, bed.contacts(4.0, checkpoint=True).rows),
         }
@@ -291,7 +291,7 @@ class TestRun(unittest.TestCase):
 
 
 class TestFields(unittest.TestCase):
-    """The gas of a short run in three dimensions, and a measure on its cells."""
+    """The gas of a short run in three dimensions, and an instrument on its cells."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -320,7 +320,7 @@ class TestFields(unittest.TestCase):
         with self.assertRaisesRegex(talcum.ResultsError, "nothing at time 0.016"):
             self.bed.gas(0.016, exact=True)
 
-    def test_tensors_of_a_measure(self) -> None:
+    def test_tensors_of_an_instrument(self) -> None:
         stress = self.bed.fields("stress")
         self.assertEqual((stress["contact"].shape, stress["velocity"].shape), ((9, 1, 3, 3, 3), (9, 1, 3, 3)))
         # The vertical component is the third of the third row: that of beads that lie on each other.
@@ -438,7 +438,7 @@ class TestFiles(ScriptTest):
             talcum.open(self.folder)
         (self.folder / "case.toml").write_text("", encoding="utf-8")
         bed = talcum.open(self.folder)
-        self.assertEqual((bed.is_complete, bed.measures, bed.checkpoints), (False, {}, []))
+        self.assertEqual((bed.is_complete, bed.instruments, bed.checkpoints), (False, {}, []))
         for words, read in [
             ("output.series", lambda: bed.series),
             ("output.walls", lambda: bed.walls),

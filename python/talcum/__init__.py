@@ -27,7 +27,7 @@ from .bed import Bed
 from .bed import open_bed as open
 from .checkpoint import Checkpoint, read_checkpoint
 from .fields import Fields
-from .measure import Measure
+from .instrument import Instrument
 from .program import TalcumError, check, restart, run
 from .snapshots import Contacts, Particles
 from .studies import Study, read_study, run_study
@@ -39,7 +39,7 @@ __all__ = [
     "Checkpoint",
     "Contacts",
     "Fields",
-    "Measure",
+    "Instrument",
     "Particles",
     "Profiles",
     "ResultsError",

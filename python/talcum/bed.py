@@ -17,7 +17,7 @@ import talcum_results
 from .checkpoint import Checkpoint, read_checkpoint
 from .fields import Fields, read_fields
 from .files import attributes, read_hdf5, require
-from .measure import Measure, read_kind, read_measure
+from .instrument import Instrument, read_instrument, read_kind
 from .snapshots import (
     Contacts,
     Particles,
@@ -132,34 +132,34 @@ class Bed:
         return read_times(require(self.folder / "gas.vtkhdf", "output.gas"))
 
     @property
-    def measures(self) -> dict[str, str]:
-        """The kinds of the measures by their names."""
+    def instruments(self) -> dict[str, str]:
+        """The kinds of the instruments by their names."""
         files = sorted(self.folder.glob("measure-*.h5"))
         return {file.stem[len("measure-") :]: read_kind(file) for file in files}
 
-    def measure(self, name: str) -> Measure:
-        """The tables of `[measure.NAME]`."""
-        return read_measure(require(self.folder / f"measure-{name}.h5", f"[measure.{name}]"))
+    def instrument(self, name: str) -> Instrument:
+        """The tables of the instrument `[measure.NAME]`."""
+        return read_instrument(require(self.folder / f"measure-{name}.h5", f"[measure.{name}]"))
 
     def fields(self, name: str, time: float | None = None, exact: bool = False) -> Fields:
-        """The fields of a `[measure.NAME]` on cells at the time nearest to a given one, the last by default."""
+        """The fields of an instrument on cells at the time nearest to a given one, the last by default."""
         return read_fields(require(self.folder / f"measure-{name}.vtkhdf", f"[measure.{name}] on cells"), time, exact)
 
-    def agglomerates(self, measure: str | None = None) -> Measure:
-        """The tables of the measure of kind agglomerates; `measure` names it if there are several."""
-        return self.measure(self._of_kind("agglomerates", measure))
+    def agglomerates(self, instrument: str | None = None) -> Instrument:
+        """The tables of the instrument of kind agglomerates; `instrument` names it if there are several."""
+        return self.instrument(self._of_kind("agglomerates", instrument))
 
     def contacts(
-        self, time: float | None = None, exact: bool = False, measure: str | None = None, checkpoint: bool = False
+        self, time: float | None = None, exact: bool = False, instrument: str | None = None, checkpoint: bool = False
     ) -> Contacts:
         """The touching pairs at the time nearest to the given one, the last by default.
 
-        They come from the measure of kind contacts (with forces), or from the nearest checkpoint (with histories) if
-        there is no such measure or `checkpoint` is true. `measure` names the measure if there are several.
+        They come from the instrument of kind contacts (with forces), or from the nearest checkpoint (with histories) if
+        there is no such instrument or `checkpoint` is true. `instrument` names it if there are several.
         """
-        if checkpoint or (measure is None and "contacts" not in self.measures.values()):
+        if checkpoint or (instrument is None and "contacts" not in self.instruments.values()):
             return self._checkpoint_contacts(time, exact)
-        name = self._of_kind("contacts", measure)
+        name = self._of_kind("contacts", instrument)
         lines = require(self.folder / f"measure-{name}.vtkhdf", f'[measure.{name}] with kind = "contacts"')
         return read_lines(lines, time, exact)
 
@@ -177,23 +177,23 @@ class Bed:
         return files[index], float(times[index])
 
     def _of_kind(self, kind: str, name: str | None) -> str:
-        """The name of the measure of a kind."""
-        names = [known for known, its_kind in self.measures.items() if its_kind == kind]
+        """The name of the instrument of a kind."""
+        names = [known for known, its_kind in self.instruments.items() if its_kind == kind]
         if name is not None:
             if name not in names:
                 known = ", ".join(names) or "none"
-                raise ResultsError(f"{self.folder}: no measure '{name}' of kind {kind}; there are: {known}")
+                raise ResultsError(f"{self.folder}: no instrument '{name}' of kind {kind}; there are: {known}")
             return name
         if not names:
             maker = f'[measure.NAME] with kind = "{kind}" makes one'
-            raise ResultsError(f"{self.folder}: there is no measure of kind {kind}; {maker}")
+            raise ResultsError(f"{self.folder}: there is no instrument of kind {kind}; {maker}")
         if len(names) > 1:
-            raise ResultsError(f"{self.folder}: several measures are of kind {kind}: name one of {', '.join(names)}")
+            raise ResultsError(f"{self.folder}: several instruments are of kind {kind}: name one of {', '.join(names)}")
         return names[0]
 
-    def analyse(self, measures: Sequence[str], start: float | None = None, end: float | None = None) -> Analysis:
-        """Measures between two times with `talcum analyse`: `bed.analyse(["waves"]).number("waves.speed")`."""
-        return talcum_results.analyse(self.folder, list(measures), start, end)
+    def analyse(self, analyses: Sequence[str], start: float | None = None, end: float | None = None) -> Analysis:
+        """Analyses between two times with `talcum analyse`: `bed.analyse(["waves"]).number("waves.speed")`."""
+        return talcum_results.analyse(self.folder, list(analyses), start, end)
 
     def plot_series(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
         """Draws numbers over time. All `plot_` methods return the path of the figure, by default in the folder of results."""

@@ -1,4 +1,4 @@
-"""Fields on the cells of a volume-averaged gas, or of a measure on cells, at one time."""
+"""Fields on the cells of a volume-averaged gas, or of an instrument on cells, at one time."""
 
 from __future__ import annotations
 

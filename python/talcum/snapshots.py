@@ -1,4 +1,4 @@
-"""Particles and contacts at one time, from particles.vtkhdf, a measure's lines, or a checkpoint."""
+"""Particles and contacts at one time, from particles.vtkhdf, an instrument's lines, or a checkpoint."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Contacts(Table):
     def to_pyvista(self) -> Any:
         """A pyvista.PolyData with a line for each pair, and the columns as data of the lines."""
         if "ends" not in self:
-            raise ResultsError(f"{self.source}: has no lines; a measure of kind contacts writes them")
+            raise ResultsError(f"{self.source}: has no lines; an instrument of kind contacts writes them")
         pairs = np.arange(2 * self.rows).reshape(-1, 2)
         lines = np.hstack([np.full((self.rows, 1), 2), pairs]).ravel()
         mesh = optional("pyvista", "to_pyvista").PolyData(self["ends"].reshape(-1, 3), lines=lines)
@@ -99,7 +99,7 @@ def read_particles(file: Path, time: float | None, exact: bool) -> Particles:
 
 
 def read_lines(file: Path, time: float | None, exact: bool) -> Contacts:
-    """The contacts that a measure wrote, at the time nearest to a wanted one."""
+    """The contacts that an instrument wrote, at the time nearest to a wanted one."""
 
     def take(contents: Any) -> Contacts:
         root = contents["VTKHDF"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Callable
 
-from . import agreement, coupled, floor, gas, instructions, kernels, measures, peers, processor, ranks, scaling, tables
+from . import agreement, coupled, floor, gas, instructions, instruments, kernels, peers, processor, ranks, scaling, tables
 from .beds import RESULTS, Bed, beds_named
 from .runs import BenchmarkError, execute, on_cores
 from .states import state
@@ -106,7 +106,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "scaling": lambda wanted: ranks.scaling(wanted.rounds, wanted.first, wanted.peers),
     "processor": lambda wanted: processor.processor(wanted.rounds, wanted.first),
     "model": lambda _: model(),
-    "measures": lambda wanted: measures.measures(wanted.rounds, wanted.first),
+    "instruments": lambda wanted: instruments.instruments(wanted.rounds, wanted.first),
 }
 
 

@@ -1,7 +1,7 @@
-"""The check of the model of many ranks: what the processor does in a step on more ranks than there are cores.
+"""The check of the model of many ranks: how long the processor computes in a step on more ranks than there are cores.
 
-Ranks that share cores wait for each other, and the clock tells little. Samples of what the processor executes do (`perf
-record`, of Debian's linux-perf): those in the program itself are computing, whoever waits.
+Ranks that share cores wait for each other, so wall-clock times say little. This module counts samples of what the processor
+executes (`perf record`, from Debian's linux-perf): a sample in the program itself is a time of computation.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BED = next(bed for bed in BEDS if bed.name == "24,000 settled")
 # Columns, as in the model.
 WIDTH = 20.0  # diameters, of the box along x and y
 GRIDS = {1: (1, 1, 1), 2: (2, 1, 1), 4: (2, 2, 1), 8: (4, 2, 1)}
-# Steps by which one run is longer than another, so that start and end do not count.
+# Steps of two runs; start and end cancel in the difference of their times.
 SHORTER, LONGER = 200, 1800
 # Samples per second: a prime, so that no loop of a round time is in step with it.
 FREQUENCY = 1999
@@ -73,7 +73,7 @@ def processor(rounds: int, first: bool) -> str:
         raise BenchmarkError("perf is not installed: apt-get install linux-perf")
     start = state(BED.state, execute, PROGRAM)
     beds = [replace(BED, ranks=ranks) for ranks in GRIDS]
-    # Others on the machine only add to it.
+    # Other processes on the machine can only add to it.
     least = dict.fromkeys(GRIDS, math.inf)
     for _ in range(rounds):
         for bed in beds:

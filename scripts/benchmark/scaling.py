@@ -1,28 +1,27 @@
-"""A model of the time of a step on many ranks, from measured rates and what ranks say to each other.
+"""A model of the time of a step on many ranks, from measured rates and the messages between ranks.
 
-Blocks of a bed over a plate, cut into columns or into cubes. With n particles per rank at number density c, a ghost
-layer of width w and a block of sides l:
+The ranks are blocks of a bed over a plate, which is cut into columns or into cubes. With n particles per rank at number
+density c, a ghost layer of width w and a block of sides l, a step has these parts:
 
-    compute     n t_p, t_p the time per particle-step of one rank when all cores of the machine are busy
-    copies      packing, moving and adding what the ranks say of them: for each copy that is in a pair as long as a part of a
-                particle's step, by the check with `perf` (processor.py)
-    halo        velocities: one message from each of the blocks ahead, half of those around, 48 bytes for each particle of the
-                layer w there that is in a pair; what is left of their way after decide. Forces: as much the other way, while the
-                pairs of the rank's own particles are computed. And what a
-                processor has to do for each message, which cannot be done meanwhile. A pair of two ranks' particles is computed by one of them; these are
-                c z / 4 for each area of a cut, z the contacts of a particle, since a contact crosses the plane of a cut by half a
+    compute     n t_p, with t_p the time per particle-step of one rank when all cores of the machine are busy
+    copies      packing, moving and adding the data of copies: a part of a particle's step for each copy in a pair, by the
+                check with `perf` (processor.py)
+    halo        velocities: one message from each of the blocks ahead, half of those around, with 48 bytes for each particle
+                of their layer w that is in a pair; the part of the time that remains after decide. Forces: as many bytes
+                the other way, while the rank computes the pairs of its own particles. The work of the processor for each
+                message comes on top. A pair of two ranks' particles is computed by one of them; there are c z / 4 such pairs
+                per area of a cut, with z the contacts of a particle, since a contact crosses the plane of a cut by half a
                 diameter in the mean
     decide      one all-reduce of eight numbers: log2(P) latencies
-    gas         one all-reduce of two fields over the column's nodes, which begins before decide: what is left of it then, as if
-                MPI continued it only while a rank waits for something else
-    rebuild     every R steps: new ghosts along one axis after the other (112 bytes each), what they are copies of (4),
-                two reductions, and two sparse exchanges: messages to the blocks around, with the particles of a layer at the
+    gas         one all-reduce of two fields over the column's nodes, which begins before decide: the part of the time that
+                remains after decide, as if MPI continued it only while a rank waits for something else
+    rebuild     every R steps: new ghosts along one axis after the other (112 bytes each), their originals (4 bytes), two
+                reductions, and two sparse exchanges: messages to the blocks around, with the particles of a layer at the
                 faces, half a skin thick, and their contacts, and a barrier of log2(P) latencies, after which all
-                messages have come
+                messages have arrived
 
-t = latency + bytes / bandwidth for each message; messages that are not said to go one after another go at once. Ranks of a
-node are blocks side by side, so that of the messages along an axis only those of the node's outermost blocks leave it.
-Loads are even.
+Each message takes latency + bytes / bandwidth; messages are sent at once unless the text says otherwise. Ranks of a node are
+blocks side by side, so that of the messages along an axis only those of the node's outermost blocks leave it. Loads are even.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ from .tables import table
 
 GHOST_BYTES, NEW_GHOST_BYTES = 48, 112
 DECISION_BYTES, INDEX_BYTES = 8 * 8, 4
-# What part of the particles of the layer are in a pair of the list: of blocks of 1,000 in the settled bed of 24,000, 0.66 to 0.71.
+# Part of the particles of the layer that are in a pair of the list: for blocks of 1,000 in the settled bed of 24,000, 0.66 to 0.71.
 PART_IN_PAIRS = 0.69
-# What a copy costs its owner and its borrower together, in steps of a particle: docs/performance-tables.md, the check of the model.
+# Cost of a copy to its owner and its borrower together, in steps of a particle: docs/performance-tables.md, the check of the model.
 COPY_COST = 0.6
-# What part of a step pairs are (docs/performance-tables.md, settled beds).
+# Part of a step that pairs take (docs/performance-tables.md, settled beds).
 PART_OF_PAIRS = 0.75
 # Whether no particle is too fast, and whether each contact has found its place.
 REDUCTIONS_PER_REBUILD = 2
@@ -115,7 +114,7 @@ class Load:
         return 8 if self.columns else 26
 
     def blocks_ahead(self, ranks: int) -> int:
-        """Half of them, as far as there are so many."""
+        """The blocks ahead: half of those around, but at most all other ranks."""
         return min(self.blocks_around // 2, ranks - 1)
 
     @property
@@ -162,7 +161,7 @@ def rebuild(load: Load, ranks: int, network: Network) -> float:
 
 
 def travel(load: Load, network: Network) -> float:
-    """Seconds until all velocities of copies have come, or all forces on them."""
+    """Seconds until all velocities of copies have arrived, or all forces on them."""
     return network.message(GHOST_BYTES * load.copies_in_pairs, load.cut_axes)
 
 

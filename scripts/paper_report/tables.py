@@ -81,12 +81,12 @@ LABELS = {"bond_number": "Bond number", "gamma": "Gamma", "superficial_velocity"
 """The labels of axes."""
 
 
-def over(points: StudyTable, axis: str, measures: dict[str, str], groups: list[tuple[str, StudyTable]]) -> Figure:
-    """Measures over a key, a panel each, a line for each group."""
-    figure, panels = new_figure(1, len(measures), size=(4.6 * len(measures), 3.8))
-    for panel, (measure, label) in zip(panels[0], measures.items()):
+def over(points: StudyTable, axis: str, quantities: dict[str, str], groups: list[tuple[str, StudyTable]]) -> Figure:
+    """Quantities over a key, a panel each, a line for each group."""
+    figure, panels = new_figure(1, len(quantities), size=(4.6 * len(quantities), 3.8))
+    for panel, (quantity, label) in zip(panels[0], quantities.items()):
         for (name, group), colour in zip(groups, (BLUE, ORANGE, RED, GREY)):
-            found = group.estimates(measure)
+            found = group.estimates(quantity)
             x = np.array(group.numbers(axis))
             y = np.array([e.mean for e in found])
             error = np.array([[e.mean - e.lower, e.upper - e.mean] for e in found]).T

@@ -26,7 +26,7 @@ pub enum Phase {
     /// Gas force on the particles.
     GasForce,
     /// Samples of instruments, including their files.
-    Measures,
+    Instruments,
     /// Results and checkpoints.
     Output,
 }
@@ -43,7 +43,7 @@ impl Phase {
         Self::Contacts,
         Self::Walls,
         Self::GasForce,
-        Self::Measures,
+        Self::Instruments,
         Self::Output,
     ];
 
@@ -59,7 +59,7 @@ impl Phase {
             Self::Contacts => "contact forces",
             Self::Walls => "wall forces",
             Self::GasForce => "gas force",
-            Self::Measures => "measures",
+            Self::Instruments => "instruments",
             Self::Output => "output",
         }
     }

@@ -41,7 +41,7 @@ fn the_smoke_cases_give_the_digests_of_the_repository() {
     let expected: BTreeMap<String, String> = toml::from_str(&text).unwrap();
     assert_eq!(
         found, expected,
-        "results have changed; if that is intended, tests/program/golden.rs says how to go on"
+        "results have changed; if that is intended, tests/program/golden.rs says what to do"
     );
 }
 

@@ -10,7 +10,7 @@ mod analyse;
 mod case_files;
 mod case_meaning;
 mod case_schema;
-mod checkpoint_files;
+mod checkpoints;
 mod coarse_graining;
 mod documented_fields;
 mod energy_table;

@@ -144,7 +144,7 @@ fn what_talcum_analyse_measures_stands_in_the_tables_of_a_study() {
     let folders = std::fs::read_dir(output.join("runs")).unwrap().flatten();
     let mut folders: Vec<String> = folders.map(|run| run.path().display().to_string()).collect();
     folders.sort();
-    let measures = ["--measure", "bed.height", "--measure", "u_mf"];
+    let measures = ["--quantity", "bed.height", "--quantity", "u_mf"];
     let options = folders.iter().map(String::as_str).chain(measures);
     let summary = talcum(0, &["summary"].into_iter().chain(options).collect::<Vec<_>>());
     assert_code(&summary, 0);
@@ -211,7 +211,7 @@ fn a_quantity_that_no_run_of_the_case_can_give_is_refused_before_anything_runs()
         assert!(refused.errors.contains("written.toml:3: "), "{}", refused.errors);
     }
     assert!(!output.join("runs").exists());
-    // The control: with the key it is measured.
+    // The control: with the key it has a value.
     let text = "measures = [\"waves.speed\"]\n[set]\noutput.profiles = 0.1\n";
     let study = written(folder.path(), text);
     assert_code(&run(&study, &output, &[]), 0);
@@ -259,7 +259,7 @@ fn the_case_and_the_study_are_those_of_the_docs() {
 }
 
 #[test]
-fn what_the_case_measures_stands_in_the_tables_of_a_study() {
+fn numbers_of_instruments_stand_in_the_tables_of_a_study() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("measured.toml");
     let bed = std::fs::read_to_string(data("bed.toml")).unwrap();
@@ -305,7 +305,7 @@ fn every_study_of_the_repository_is_read_and_expanded() {
     }
 }
 
-/// Whoever adds a seed to a study of the repository can go on from its kept table, because neither the case nor what is measured
+/// Whoever adds a seed to a study of the repository can continue from its kept table, because neither the case nor its quantities
 /// has changed since.
 #[test]
 fn kept_tables_of_runs_are_known_to_their_studies() {
@@ -313,7 +313,7 @@ fn kept_tables_of_runs_are_known_to_their_studies() {
     for study in ["liu2016", "moon2006", "parcels"].into_iter().flat_map(studies_of) {
         let results = study.parent().unwrap().with_file_name("results");
         let name = study.file_stem().unwrap().to_str().unwrap();
-        // Of studies that are not complete, the runs that are.
+        // The complete runs of a study that is not complete.
         let places = [results.join("begun"), results].map(|it| it.join(format!("{name}-runs.csv")));
         let Some(table) = places.into_iter().find(|table| table.exists()) else { continue };
         let text = std::fs::read_to_string(&table).unwrap();
@@ -344,7 +344,7 @@ fn a_table_of_another_study_is_refused() {
     let refused = run(&study, folder.path(), &["--known", table.to_str().unwrap(), "--status"]);
     assert_code(&refused, 1);
     assert!(refused.error().contains("fig7-runs.csv: quantity "), "{}", refused.errors);
-    assert!(refused.error().contains("this was not measured"), "{}", refused.errors);
+    assert!(refused.error().contains("this is no quantity of the table"), "{}", refused.errors);
 }
 
 #[test]

@@ -13,7 +13,7 @@ fn failure(ended: &Ended) -> &str {
     ended.error()
 }
 
-/// Stops an endless run by a signal; the run that continues from there must come to the state of one without interruption.
+/// Stops an endless run by a signal; a run that continues from there must reach the state of an uninterrupted run.
 fn assert_stops_on(name: &str) {
     let folder = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("rank-equality"), folder.path().display().to_string());
@@ -62,7 +62,7 @@ fn an_error_on_threads_is_one_message() {
         let ended = on_threads(threads, "rank-equality", folder.path(), &unstable);
         let message = failure(&ended);
         assert!(message.contains("shorten time.step"), "{message}");
-        assert!(checkpoints(folder.path()).is_empty(), "no checkpoint of a state without meaning");
+        assert!(checkpoints(folder.path()).is_empty(), "no checkpoint of a meaningless state");
     }
     let folder = tempfile::tempdir().unwrap();
     let ended = on_threads(2, "staged", folder.path(), &["--ranks", "2,2,1"]);
@@ -74,7 +74,7 @@ fn an_error_on_threads_is_one_message() {
     }
 }
 
-/// A log of warnings has each once, from whichever rank.
+/// A message appears once in the log, whichever rank it comes from.
 #[test]
 fn a_stage_is_logged_once() {
     let folder = tempfile::tempdir().unwrap();
@@ -84,7 +84,7 @@ fn a_stage_is_logged_once() {
     assert_eq!(begins.count(), 1, "{}", ended.errors);
 }
 
-/// Each process would run the whole case.
+/// Otherwise each process would run the whole case.
 #[test]
 fn threads_of_several_processes_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,11 +96,7 @@ fn threads_of_several_processes_are_refused() {
         let ended = start_with(&of("0"), 0, &run).wait();
         assert!(failure(&ended).contains("4 processes were started together"), "{ended:?}");
         let ended = start_with(&of("3"), 0, &run).wait();
-        assert_eq!(
-            (ended.code(), ended.errors.as_str()),
-            (Some(1), ""),
-            "the first speaks for all"
-        );
+        assert_eq!((ended.code(), ended.errors.as_str()), (Some(1), ""), "only the first reports");
     }
     if cfg!(feature = "mpi") {
         let ended = talcum(2, &run);
@@ -111,7 +107,7 @@ fn threads_of_several_processes_are_refused() {
 }
 
 #[test]
-fn a_machine_without_memory_is_said_so_in_one_message() {
+fn a_lack_of_memory_is_reported_in_one_message() {
     let program = env!("CARGO_BIN_EXE_talcum");
     let arguments =
         "--threads 2 --any-memory --set particles.count=10000000 --set box.lengths=[2000,2000,12]";
@@ -120,7 +116,7 @@ fn a_machine_without_memory_is_said_so_in_one_message() {
     assert!(failure(&ended).contains("error: out of memory: the program has"), "{}", ended.errors);
 }
 
-/// A process takes some 50 MB for itself, its threads hardly any.
+/// A process takes some 50 MB, and a thread hardly any.
 #[test]
 fn threads_are_not_counted_as_processes_in_the_estimate_of_memory() {
     let case = smoke("walls");

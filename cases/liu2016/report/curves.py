@@ -52,9 +52,9 @@ class Run:
     digest: str
     commit: str
 
-    def rows(self, measure: str, group: str) -> dict[str, Array]:
-        """The columns of a table of a measure."""
-        with h5py.File(result_file(self.folder, f"measure-{measure}.h5")) as file:
+    def rows(self, instrument: str, group: str) -> dict[str, Array]:
+        """The columns of a table of an instrument."""
+        with h5py.File(result_file(self.folder, f"measure-{instrument}.h5")) as file:
             return {name: column[()] for name, column in file[group].items()}
 
 

@@ -56,8 +56,8 @@ def table(results: Path, name: str, kind: str = "points") -> StudyTable | None:
     return study_table(results, KEPT, name, kind)
 
 
-def study(results: Path, measure: str, beds: Beds = SMALL) -> Values:
-    """A measure of the studies of the paper's cases."""
+def study(results: Path, quantity: str, beds: Beds = SMALL) -> Values:
+    """A quantity of the studies of the paper's cases."""
     found = {}
     for name in beds.studies:
         points = table(results, name)
@@ -65,7 +65,7 @@ def study(results: Path, measure: str, beds: Beds = SMALL) -> Values:
             continue
         for row in points.rows:
             case = case_name(*(float(row[key]) for key in ("density", "adhesion", "inlet_velocity")))
-            found[case] = points.estimate(row, measure)
+            found[case] = points.estimate(row, quantity)
     return {case: found[case] for case in CASES if case in found}
 
 

@@ -38,8 +38,8 @@ def distributor(results: Path) -> Section | None:
         Statement("mean plate stress + gas force with a distributor", "1, by eq. (17)", f"{min(sums):.4f} to {max(sums):.4f}",
                   all(within(total, 1.0, 0.01) for total in sums)),
     ]  # fmt: skip
-    measures = {"flow_swing": "swing of U_s [sqrt(g d)]", "flow": "mean U_s [sqrt(g d)]", "peak": "peak of plate stress / weight"}
-    figure = over(points, "height", measures, groups)
+    quantities = {"flow_swing": "swing of U_s [sqrt(g d)]", "flow": "mean U_s [sqrt(g d)]", "peak": "peak of plate stress / weight"}
+    figure = over(points, "height", quantities, groups)
     for panel in figure.axes:
         panel.set_xscale("log")
         panel.set_yscale("log", nonpositive="clip")

@@ -38,8 +38,8 @@ def figure_10(results: Path) -> Section | None:
     statements.append(Statement("contacts per particle", "not given", contacts, None))
     members = "; ".join(f"Bo {float(row['bond_number']):g}: {points.estimate(row, 'members')}" for row in points.rows)
     statements.append(Statement("mean number of members of such a set", "not given", members, None))
-    measures = {"in_sets": "part of the particles in sets", "members": "members of a set", "largest": "members of the largest"}
-    figure = over(points, "bond_number", measures, [("periodic box", points)])
+    quantities = {"in_sets": "part of the particles in sets", "members": "members of a set", "largest": "members of the largest"}
+    figure = over(points, "bond_number", quantities, [("periodic box", points)])
     for panel in figure.axes:
         panel.set_yscale("log")
         panel.relim()

@@ -150,8 +150,8 @@ def figures_6_to_9(results: Path) -> Section | None:
     for study, stiffness in STUDIES.items() if found else ():
         for bond in WALLS:
             statements += lifts_off(found, study, bond, f"k_n {stiffness}, Bo_p {bond:g}")
-    measures = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "pressure_drop": "mean pressure drop / weight"}
-    figures = [(over(points, "superficial_velocity", measures, groups), "Over U_s; means and intervals over seeds.")]
+    quantities = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "pressure_drop": "mean pressure drop / weight"}
+    figures = [(over(points, "superficial_velocity", quantities, groups), "Over U_s; means and intervals over seeds.")]
     figures = (over_the_cycle(found) if found else []) + figures
     text = (
         "Poured with its cohesion (Bo 20), then shaken at Gamma 3 and f 0.16 in gas; cycles 4 to 8. Coulomb's limit is that from the contact "

@@ -62,8 +62,8 @@ def figure_2(results: Path) -> Section | None:
         if share:
             statements.append(Statement(f"part of the bed with waves at Bo 8 ({name})", "none: agrees below 0.1", str(share),
                                         share.mean < 0.1))  # fmt: skip
-    measures = {"speed": "wave speed [sqrt(g d)]", "share": "part with waves", "frozen_share": "part that stands still"}
-    figures = [(over(points, "bond_number", measures, groups), "Over the Bond number; means and intervals over seeds.")]
+    quantities = {"speed": "wave speed [sqrt(g d)]", "share": "part with waves", "frozen_share": "part that stands still"}
+    figures = [(over(points, "bond_number", quantities, groups), "Over the Bond number; means and intervals over seeds.")]
     figures += beds(results, "fig2")
     text = (
         "Cohesion is switched on in the developed bed (the final states of Fig. 1); measured 75 to 150 time units later. The paper's "
@@ -90,8 +90,8 @@ def figure_3(results: Path) -> Section | None:
         statements.append(Statement("Gamma and state, Coulomb's limit from the contact force alone", "a plug up to 2, waves above", states(contact, "gamma"), None))
     for study, limit in (("fig3", "net"), ("fig3-contact", "contact")):
         statements += all_returns(table(results, study, "runs"), limit)
-    measures = {"speed": "wave speed [sqrt(g d)]", "share": "part that waves sweep", "in_windows": "part of the record with waves"}
-    figures = [(over(points, "gamma", measures, [("Bo 20", points)]), "Over Gamma; means and intervals over seeds.")]
+    quantities = {"speed": "wave speed [sqrt(g d)]", "share": "part that waves sweep", "in_windows": "part of the record with waves"}
+    figures = [(over(points, "gamma", quantities, [("Bo 20", points)]), "Over Gamma; means and intervals over seeds.")]
     figures += beds(results, "fig3")
     text = (
         "Cohesion (Bo 20) and vibration (f 0.16) are switched on in the developed bed; measured from 25 to 100 time units "
@@ -101,29 +101,29 @@ def figure_3(results: Path) -> Section | None:
     return Section("Fig. 3: vibration brings the waves back", text, statements, figures, sources(("fig3", points), ("fig3-contact", contact)))
 
 
-MEASURES_OF_WAVES = {"share": "waves sweep half of the material", "in_windows": "windows show waves in half of heights and times"}
-"""Two measures of how much of a bed has waves."""
+QUANTITIES_OF_WAVES = {"share": "waves sweep half of the material", "in_windows": "windows show waves in half of heights and times"}
+"""Two quantities that say how much of a bed has waves."""
 
 
 def all_returns(runs: StudyTable | None, limit: str) -> list[Statement]:
-    """Gamma at which waves come back, by each measure."""
+    """Gamma at which waves come back, by each quantity."""
     if runs is None:
         return []
     statements = []
-    for measure, words in MEASURES_OF_WAVES.items():
-        back = returns(runs, measure)
+    for quantity, words in QUANTITIES_OF_WAVES.items():
+        back = returns(runs, quantity)
         told = f"{back}, by lines between the points of each seed" if back.runs else "not reached"
         statements.append(Statement(f"Gamma from which {words} (Coulomb's limit: {limit})", "between 2 and 3: agrees if the interval overlaps that", told,
                                     back.overlaps(2.0, 3.0) if back.runs > 1 else None))  # fmt: skip
     return statements
 
 
-def returns(runs: StudyTable, measure: str) -> Estimate:
-    """Gamma at which a measure of the waves grows beyond one half: mean over the seeds with Student's interval."""
+def returns(runs: StudyTable, quantity: str) -> Estimate:
+    """Gamma at which a quantity of the waves grows beyond one half: mean over the seeds with Student's interval."""
     found = []
     for seed in sorted(set(runs.numbers("seed"))):
         of_seed = runs.where(seed=seed)
-        pairs = sorted(zip(of_seed.numbers("gamma"), of_seed.numbers(measure)))
+        pairs = sorted(zip(of_seed.numbers("gamma"), of_seed.numbers(quantity)))
         steps = [(a, b) for a, b in zip(pairs, pairs[1:]) if a[1] < 0.5 <= b[1]]
         found += [a[0] + (0.5 - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in steps[:1]]
     return interval_of(found)

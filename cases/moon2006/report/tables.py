@@ -44,6 +44,6 @@ def parts(points: StudyTable, axis: str) -> str:
     words = {"share": "waves", "frozen_share": "still", "plug_share": "plug"}
     told = []
     for row in points.rows:
-        shares = ", ".join(f"{name} {points.estimate(row, measure).mean:.2f}" for measure, name in words.items())
+        shares = ", ".join(f"{name} {points.estimate(row, quantity).mean:.2f}" for quantity, name in words.items())
         told.append(f"{float(row[axis]):g}: {shares}")
     return "; ".join(told)

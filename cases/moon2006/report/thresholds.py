@@ -52,8 +52,8 @@ def long_times(results: Path) -> Section | None:
         share, still, front = (points.estimate(row, name) for name in ("share", "frozen_share", "front_speed"))
         told = f"{share}; still {still.mean:.2g}; front {front}"
         statements.append(Statement(f"Bo {float(row['bond_number']):g}: part with waves, and the front's speed", "not shown", told, None))
-    measures = {"share": "part with waves", "frozen_share": "part that stands still", "front_speed": "speed of the front [sqrt(g d)]"}
-    figures = [(over(points, "bond_number", measures, [("400 to 500", points)]), "Over the Bond number; means and intervals over seeds.")]
+    quantities = {"share": "part with waves", "frozen_share": "part that stands still", "front_speed": "speed of the front [sqrt(g d)]"}
+    figures = [(over(points, "bond_number", quantities, [("400 to 500", points)]), "Over the Bond number; means and intervals over seeds.")]
     figures[0][0].axes[-1].autoscale(axis="y")  # its speeds are negative
     figures += beds(results, "fig2-long")
     text = (

@@ -29,10 +29,12 @@ impl InstructionSet {
         use std::arch::is_x86_feature_detected as has;
         let has_avx512 =
             has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq");
-        match has!("avx2") {
-            true if has_avx512 => Self::Avx512,
-            true => Self::Avx2,
-            false => Self::Baseline,
+        if !has!("avx2") {
+            Self::Baseline
+        } else if has_avx512 {
+            Self::Avx512
+        } else {
+            Self::Avx2
         }
     }
 

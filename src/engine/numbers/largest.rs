@@ -33,7 +33,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_number_is_found_and_what_is_none_is_infinite() {
+    fn the_largest_number_is_found_and_anything_undefined_is_infinite() {
         assert_eq!(largest(&[]), 0.0);
         assert_eq!(largest(&[0.0, -0.0]), 0.0);
         assert_eq!(largest(&[1.0, f64::MAX, 5e-324]), f64::MAX);

@@ -6,7 +6,7 @@ use super::ExactSum;
 /// for the number of additions they fit into 128 bits.
 const WIDTH: u32 = 54;
 const ADDITIONS_BETWEEN_FLUSHES: u32 = 1 << 19;
-/// Exponent fields at which a window may begin: none contains subnormal numbers or a sum that overflows.
+/// Exponent fields at which a window may begin: such a window contains no subnormal numbers and no sum that overflows.
 const BEGINS: std::ops::RangeInclusive<u32> = 1..=1800;
 /// Number of digits of the window below the first addend.
 const BELOW_FIRST: u32 = 40;
@@ -14,7 +14,7 @@ const BELOW_FIRST: u32 = 40;
 const NO_WINDOW: u32 = 1 << 12;
 
 /// An [`ExactSum`] with a window of 128 bits at the magnitude of the first non-zero addend: adding a number within the
-/// window takes one addition of integers. The sum is exact, and equal, in any case.
+/// window takes one addition of integers. The sum is exact in any case, and thus the same.
 #[derive(Clone, Debug)]
 pub(crate) struct QuickSum {
     /// Exponent field of the window's lowest digit.

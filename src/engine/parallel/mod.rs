@@ -34,7 +34,7 @@
 //! | ids of particles that have left the box, if any has, and their volume | ids, 5 integers | 8 per particle | all | [`share_with_all`], [`sum_integers`] |
 //! | cells that change owner (`send_cells_to_owners`) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
 //!
-//! When agglomerates are found (at steps of the gas whose drag depends on them, and for measures), pairs and labels of connected
+//! When agglomerates are found (at steps of the gas whose drag depends on them, and for instruments), pairs and labels of connected
 //! sets go to the owners of their particles and to the ranks that answer for an id, and back ([`sparse_exchange`]), as often as
 //! the longest chain of ranks needs.
 //!

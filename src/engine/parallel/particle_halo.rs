@@ -71,10 +71,13 @@ impl ParticleHalo {
         let axes = (0..3).filter(|&axis| subdomain.neighbours(axis) != [None, None]);
         let last = axes.clone().next_back();
         for axis in axes {
-            let list = |side| match side == 1 && last == Some(axis) {
-                // Ghosts that were sent up would be behind the rank above, and are not sent on.
-                true => SendList { indices: Vec::new(), shift: 0.0 },
-                false => send_list(particles, subdomain, width, axis, side),
+            let list = |side| {
+                if side == 1 && last == Some(axis) {
+                    // Ghosts that were sent up would be behind the rank above, and are not sent on.
+                    SendList { indices: Vec::new(), shift: 0.0 }
+                } else {
+                    send_list(particles, subdomain, width, axis, side)
+                }
             };
             let (lists, neighbours) = ([0, 1].map(list), subdomain.neighbours(axis));
             self.send_new_ghosts((axis, neighbours), &lists, particles, ranks);

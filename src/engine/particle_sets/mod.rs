@@ -3,7 +3,7 @@
 //!
 //! The results of a sample depend only on ids, positions and contacts, and have the same bits for any distribution over
 //! ranks, if positions are multiples of the quantum of positions. Forces are not used: both the drag on agglomerates
-//! and the measures of a run are based on this module.
+//! and the instruments of a run are based on this module.
 
 pub mod exact_sums;
 pub mod fixed_point;

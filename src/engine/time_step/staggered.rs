@@ -22,7 +22,7 @@ impl<'a> Staggered<'a> {
         Self { state, kick_due: None }
     }
 
-    /// The state with its velocities at the time of the clock: for measures, records, checkpoints. Does the second
+    /// The state with its velocities at the time of the clock: for instruments, records, checkpoints. Does the second
     /// half-kick if it is due.
     pub fn synchronised(&mut self, timers: &mut Timers) -> &mut State {
         timers.time(Phase::Integrate, || self.synchronise());

@@ -13,22 +13,22 @@ use talcum_results::output::{OutputError, print};
 /// Options of `talcum analyse`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct AnalyseOptions {
-    /// The folder of results of a run, which may still be running.
+    /// The folder of results; the run may still be in progress.
     #[arg(required_unless_present = "list")]
     results: Option<PathBuf>,
-    /// Take this analysis only; may be given several times.
-    #[arg(long = "measure", value_name = "NAME")]
+    /// Do only this analysis; may be repeated.
+    #[arg(long = "analysis", alias = "measure", value_name = "NAME")]
     analyses: Vec<String>,
-    /// Ignore what is before this time.
+    /// Ignore everything before this time.
     #[arg(long, value_name = "TIME")]
     from: Option<f64>,
-    /// Ignore what is after this time.
+    /// Ignore everything after this time.
     #[arg(long, value_name = "TIME")]
     to: Option<f64>,
-    /// Write analysis.h5 into this folder instead of that of the results.
+    /// Write analysis.h5 to this folder, instead of to the folder of results.
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Only list all analyses, and the names of their numbers for studies.
+    /// Only list the analyses and the names of their numbers.
     #[arg(long)]
     list: bool,
 }
@@ -85,7 +85,10 @@ impl AnalyseOptions {
         let named = |name: &String| {
             Analysis::named(name).with_context(|| {
                 let known: Vec<&str> = ANALYSES.iter().map(|analysis| analysis.name).collect();
-                format!("--measure {name}: no such measure; there are {}", known.join(", "))
+                format!(
+                    "--analysis {name}: there is no such analysis; there are {}",
+                    known.join(", ")
+                )
             })
         };
         self.analyses.iter().map(named).collect()

@@ -20,22 +20,22 @@ const OVERLAP: f64 = 1.0e-3;
 pub(super) struct ContactOptions {
     /// The case file.
     case: PathBuf,
-    /// Use another value for a key of the case; may be given several times.
+    /// Set a key of the case to this value; may be repeated.
     #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
     set: Vec<String>,
-    /// Press a particle against this wall, instead of two particles together.
+    /// Press a particle against this wall, instead of against another particle.
     #[arg(long, value_name = "NAME")]
     wall: Option<String>,
-    /// Take particles of this species, instead of the first of the case; or one of each of two species, NAME,NAME.
+    /// Take particles of this species, or one of each of two species, NAME,NAME (default: the first species of the case).
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     species: Vec<String>,
-    /// Take the laws of this stage, instead of the first.
+    /// Take the laws of this stage (default: the first).
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// The largest overlap (default: a thousandth of the reference diameter, or twice the length of a neck).
+    /// Press to this overlap (default: a thousandth of the reference diameter, or twice the length of a neck if that is more).
     #[arg(long, value_name = "LENGTH", value_parser = positive)]
     overlap: Option<f64>,
-    /// Points on each of the four parts: half loading, unloading, full loading, separation.
+    /// Print so many points on each of the four parts: half loading, unloading, full loading, separation.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     points: u32,
 }

@@ -1,4 +1,4 @@
-//! `talcum keys`: what may stand in a case file, or in a study file.
+//! `talcum keys`: the keys of case files and study files.
 
 use super::run::say;
 use crate::study;
@@ -12,8 +12,8 @@ use talcum_runs::input::FileKeys;
 pub(super) struct KeysOptions {
     #[command(subcommand)]
     file: Option<OtherFile>,
-    /// A section, for example contact or particles.start; one of its keys, or what belongs to a word, as gas.substeps
-    /// or measure.stress; all if none is given.
+    /// A section (contact, particles.start), a key (gas.substeps), or a word that brings keys (measure.stress); without it,
+    /// all sections are printed.
     section: Option<String>,
     #[command(flatten)]
     form: Form,
@@ -24,18 +24,18 @@ pub(super) struct KeysOptions {
 enum OtherFile {
     /// Print the keys of the study file instead.
     Study {
-        /// A section, for example axis; one of its keys, or what belongs to a word, as bisection.bracket or
-        /// measure.analysis; all if none is given.
+        /// A section (axis), a key (bisection.bracket), or a word that brings keys (measure.analysis); without it, all
+        /// sections are printed.
         section: Option<String>,
         #[command(flatten)]
         form: Form,
     },
 }
 
-/// What is made of the keys, if not a list for the terminal.
+/// The form in which the keys are printed, if not as text for the terminal.
 #[derive(Debug, Args)]
 struct Form {
-    /// Print a JSON schema for editors instead.
+    /// Print a JSON schema for editors, instead of text.
     #[arg(long, conflicts_with = "section")]
     json_schema: bool,
     /// Print the manual, a page of the book, instead.

@@ -33,9 +33,9 @@ use talcum_engine::numbers::check_instruction_set;
 use talcum_engine::parallel::{Communicator, agree};
 use talcum_results::output::{set_commit, unless_closed};
 
-/// CFD-DEM of fluidised beds of fine, cohesive powders: the same bits on any number of ranks.
+/// Simulate fluidised beds of fine, cohesive powders by CFD-DEM, with the same bits on any number of ranks.
 ///
-/// Start it alone, on N threads with `--threads N`, or on N ranks of MPI with `mpirun -n N talcum ...`.
+/// A case runs on one rank, on N threads with `--threads N`, or on N MPI ranks with `mpirun -n N talcum ...`.
 #[derive(Debug, Parser)]
 #[command(name = "talcum", version, max_term_width = 100)]
 struct CommandLine {
@@ -47,26 +47,26 @@ struct CommandLine {
 enum Command {
     #[command(flatten)]
     OnRanks(RankCommand),
-    /// Measure on the results of a run: waves, bed height, minimum fluidisation, spectra, mixing, agglomerates ...
+    /// Analyse the results of a run: waves, bed height, minimum fluidisation, spectra, mixing, agglomerates ...
     Analyse(analyse::AnalyseOptions),
-    /// Show a run in progress: curves, progress and warnings, in the terminal or in a browser.
+    /// Show the curves, progress and warnings of a run, in the terminal or in a browser.
     Watch(watch::WatchOptions),
-    /// Write a commented case to start from: one of the gallery.
+    /// Write a commented case from the gallery, to start with.
     New(new::NewOptions),
-    /// Run many cases that a study file describes, or report their progress; not under mpirun.
+    /// Run all cases of a study, or report their progress. Do not start it under mpirun.
     Study(StudyOptions),
-    /// Print a table of means of runs.
+    /// Print a table of statistics of several runs.
     Summary(SummaryOptions),
-    /// Print completions for a shell: what it offers when Tab is pressed after talcum.
+    /// Print tab completions for a shell.
     Completions(shell::CompletionsOptions),
-    /// Write the manual pages, talcum.1 and one for each command.
+    /// Write the manual pages: talcum.1, and one for each command.
     Manual(shell::ManualOptions),
 }
 
 /// What all ranks do together.
 #[derive(Debug, Subcommand)]
 enum RankCommand {
-    /// Read and validate a case, and describe what would run.
+    /// Check a case, and describe what would run.
     Check {
         /// The case file.
         case: PathBuf,
@@ -79,10 +79,10 @@ enum RankCommand {
         case: PathBuf,
         #[command(flatten)]
         options: RunArguments,
-        /// Remove the results of an earlier run in the output folder first.
+        /// First remove the results of an earlier run from the output folder.
         #[arg(long, conflicts_with = "resume")]
         force: bool,
-        /// Continue from the newest good checkpoint in the output folder, or start from the beginning if there is none.
+        /// Continue from the newest good checkpoint in the output folder; without one, start from the beginning.
         #[arg(long)]
         resume: bool,
     },
@@ -92,30 +92,30 @@ enum RankCommand {
         checkpoint: PathBuf,
         #[command(flatten)]
         options: RunArguments,
-        /// Remove the results of an earlier run in the output folder first, which must be another one than the checkpoint's.
+        /// First remove the results of an earlier run from the output folder, which must not be that of the checkpoint.
         #[arg(long)]
         force: bool,
     },
-    /// Print the normal force over the overlap, of two bodies slowly pressed together and pulled apart, as CSV.
+    /// Print the normal force of a contact against its overlap, through loading and unloading, as CSV.
     Contact(contact::ContactOptions),
-    /// Print the keys of the case file or of the study file, or of one section, with unit, range, default and meaning.
+    /// Print the keys of the case file or the study file, with unit, range, default and meaning.
     Keys(keys::KeysOptions),
-    /// Describe what is in a checkpoint, or how this program was built.
+    /// Describe a checkpoint, or how this program was built.
     Info {
-        /// The checkpoint; without one, the program.
+        /// The checkpoint; without it, the program is described.
         file: Option<PathBuf>,
     },
 }
 
 #[derive(Debug, Args)]
 struct Changes {
-    /// Use another value for a key of the case; may be given several times.
+    /// Set a key of the case to this value; may be repeated.
     #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
     set: Vec<String>,
-    /// Ranks along x, y and z, instead of what the case says.
+    /// Divide the box among so many ranks along x, y and z, instead of the ranks in the case.
     #[arg(long, value_name = "PX,PY,PZ", value_parser = rank_grid)]
     ranks: Option<RankGrid>,
-    /// Ranks as so many threads of this process, without MPI.
+    /// Run on N threads of this process, without MPI.
     #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..=MOST_THREADS))]
     threads: Option<u64>,
     /// Run even if the case seems to need more memory than is free.
@@ -127,10 +127,10 @@ struct Changes {
 struct RunArguments {
     #[command(flatten)]
     changes: Changes,
-    /// The folder of results (default: results/NAME of the case; in a restart, the checkpoint's folder).
-    #[arg(long)]
+    /// Write the results to this folder (default: results/NAME for a case NAME.toml; for a restart, the checkpoint's folder).
+    #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// End at this time instead of the case's end.
+    /// End at this time, instead of at the end of the case.
     #[arg(long, value_name = "TIME")]
     until: Option<f64>,
 }

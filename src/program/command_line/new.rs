@@ -11,9 +11,10 @@ pub type Gallery = [(&'static str, &'static str)];
 
 #[derive(Debug, Args)]
 pub(super) struct NewOptions {
-    /// Name of the case; without it, all are listed.
+    /// Name of the case; without it, all cases are listed.
+    #[arg(value_name = "NAME")]
     kind: Option<String>,
-    /// The file, which must not exist (default: KIND.toml in this folder).
+    /// Write to this file, which must not exist (default: NAME.toml in the current folder).
     #[arg(long, value_name = "FILE", requires = "kind")]
     output: Option<PathBuf>,
 }

@@ -10,13 +10,13 @@ use talcum_results::output::print;
 
 #[derive(Debug, Args)]
 pub(super) struct CompletionsOptions {
-    /// Which shell.
+    /// The shell.
     shell: Shell,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct ManualOptions {
-    /// The folder for the pages, for example share/man/man1; it is made if it does not exist.
+    /// Write the pages to this folder, for example share/man/man1; it is created if it does not exist.
     folder: PathBuf,
 }
 

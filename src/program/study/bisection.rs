@@ -193,15 +193,16 @@ impl Bisection {
             Direction::Rises => Direction::Falls,
             Direction::Falls => Direction::Rises,
         };
-        match reversed {
-            true => format!(
+        if reversed {
+            format!(
                 "[bisection] in line {line}: the criterion changes in the other direction: {values}; did you mean direction = \"{}\"?",
                 other.name()
-            ),
-            false => format!(
+            )
+        } else {
+            format!(
                 "[bisection] in line {line}: the criterion never changes over the bracket: {values}, both on one side of {threshold}; \
                  take another bracket or threshold"
-            ),
+            )
         }
     }
 }

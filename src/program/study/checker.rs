@@ -35,7 +35,7 @@ pub(crate) trait CaseChecker {
         EffectiveCase::parse(&text).map_err(of_file)
     }
 
-    /// Validates a case completely, and describes the measures of its run. The state with which the run starts need not
+    /// Validates a case completely, and describes the instruments of its run. The state with which the run starts need not
     /// exist yet.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl CaseChecker for CaseReader {
         };
         Ok(RunOutline {
             end_time: case.end_time(),
-            measures: case.measured_scalars(),
+            instruments: case.scalars_of_instruments(),
             impossible: post_processing::ANALYSES.iter().filter_map(reason).collect(),
         })
     }
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn errors_find_their_setting() {
         let outline = checked("contact.friction", 0.2).unwrap();
-        assert_eq!((outline.end_time, outline.measures.len()), (6.0, 0));
+        assert_eq!((outline.end_time, outline.instruments.len()), (6.0, 0));
         let found = checked("contact.friction", -1.0).unwrap_err();
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].setting.as_deref(), Some("contact.friction=-1.0"));

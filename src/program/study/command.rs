@@ -26,35 +26,35 @@ use talcum_results::output::{ResultTable, print};
 pub struct StudyOptions {
     /// The study file.
     pub(crate) study: PathBuf,
-    /// The folder of the study (default: results/NAME of the study file).
-    #[arg(long)]
+    /// Write the results to this folder (default: results/NAME for a study NAME.toml).
+    #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
-    /// Ranks of each run, instead of what the study says.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Make each run on so many ranks, instead of as the study says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) ranks_per_run: Option<u64>,
-    /// How many runs work at the same time, instead of what the study says.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Make so many runs at the same time, instead of as the study says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) at_a_time: Option<u64>,
-    /// The command that starts a program on several ranks, for example "srun -n {ranks}"; or "threads".
-    #[arg(long)]
+    /// Start each run with this command, for example "srun -n {ranks}"; or, with "threads", on threads.
+    #[arg(long, value_name = "COMMAND")]
     pub(crate) launcher: Option<String>,
-    /// Work on one task only, by its number or name (see --only-list).
+    /// Work only on the task with this number or name (see --only-list).
     #[arg(long, value_name = "TASK")]
     pub(crate) run: Option<String>,
-    /// A table runs.csv of this study from elsewhere, whose complete runs are not made again. May be given several
-    /// times.
+    /// Take the complete runs from this table, a runs.csv of the same study, instead of making them again; may be
+    /// repeated.
     #[arg(long, value_name = "RUNS_CSV")]
     pub(crate) known: Vec<PathBuf>,
-    /// Retry runs that have failed.
+    /// Try failed runs again.
     #[arg(long)]
     pub(crate) retry: bool,
-    /// Only list the tasks, with their numbers.
+    /// Only list the tasks with their numbers.
     #[arg(long, group = "only")]
     pub(crate) only_list: bool,
-    /// Only print what is done, running, waiting or failed, and why.
+    /// Only print which runs are done, running, waiting or failed, and why.
     #[arg(long, group = "only")]
     pub(crate) status: bool,
-    /// Only write the tables of what is complete.
+    /// Only write the tables of the complete runs.
     #[arg(long, group = "only")]
     pub(crate) table: bool,
     /// Only write a Slurm array job into the folder of the study.
@@ -153,7 +153,7 @@ impl StudyCommand {
         Ok(())
     }
 
-    /// Writes all tables; returns whether every complete run could be measured.
+    /// Writes all tables; returns whether every complete run could be read.
     fn write_tables(&self, session: &Session<'_>) -> anyhow::Result<bool> {
         let root = session.folder.root();
         make_folder(root).map_err(anyhow::Error::msg)?;
@@ -167,7 +167,7 @@ impl StudyCommand {
             log::info!("wrote {}", path.display());
         }
         for failure in &collected.failures {
-            log::error!("not measured: {failure}");
+            log::error!("no value: {failure}");
         }
         Ok(collected.failures.is_empty())
     }

@@ -27,7 +27,7 @@ pub(crate) struct Study {
     pub(crate) continuation: Option<Continuation>,
     /// The search for a critical value.
     pub(crate) bisection: Option<Bisection>,
-    /// What is measured on every run.
+    /// The quantities that are taken from every run.
     pub(crate) quantities: Vec<NamedQuantity>,
     /// Confidence level of the intervals, for example 0.95.
     pub(crate) confidence: f64,

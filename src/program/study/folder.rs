@@ -240,7 +240,7 @@ pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), String> {
 pub(crate) struct Results<'a> {
     /// The folder.
     pub(crate) folder: &'a StudyFolder,
-    /// What is measured.
+    /// The quantities of the study.
     pub(crate) quantities: &'a [NamedQuantity],
 }
 

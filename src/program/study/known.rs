@@ -40,10 +40,10 @@ impl KnownRun {
 }
 
 impl KnownRuns {
-    /// The runs in some tables for which these measures were taken.
+    /// The runs in some tables that have these quantities.
     ///
     /// # Errors
-    /// If a table cannot be read, is not one of runs, or has other measures.
+    /// If a table cannot be read, is not one of runs, or has other quantities.
     pub(crate) fn read(
         tables: &[impl AsRef<Path>],
         quantities: &[NamedQuantity],
@@ -86,7 +86,7 @@ fn provenance_of(text: &str) -> Vec<(String, String)> {
     pairs.map(|(name, text)| (name.trim().to_owned(), text.trim().to_owned())).collect()
 }
 
-/// Refuses a table on whose runs something else was measured.
+/// Refuses a table that lacks one of the quantities.
 fn check_quantities(
     provenance: &[(String, String)],
     quantities: &[NamedQuantity],
@@ -96,7 +96,7 @@ fn check_quantities(
     for quantity in quantities {
         let wanted = format!("{}: {}", quantity.name, quantity.quantity.describe());
         if !given.contains(wanted.as_str()) {
-            let message = "this was not measured on the runs of the table";
+            let message = "this is no quantity of the table";
             return Err(format!("quantity {wanted}: {message}"));
         }
     }
@@ -173,7 +173,7 @@ impl QuantityCells<'_> {
     fn value(&self, cell: &str) -> Result<Option<Value>, String> {
         let quantity = &self.quantity.quantity;
         if cell.is_empty() {
-            let nothing = || Value::Nothing("there was nothing to measure".to_owned());
+            let nothing = || Value::Nothing("the run has no value".to_owned());
             return Ok(quantity.may_be_nothing().then(nothing));
         }
         if quantity.texts().is_some() {

@@ -203,10 +203,10 @@ fn as_file_name(text: &str) -> String {
     let mut name = String::new();
     for c in text.chars() {
         let plain = c.is_ascii_alphanumeric() || "._+-".contains(c);
-        match plain {
-            true => name.push(c),
-            false if name.ends_with('-') || name.is_empty() => {}
-            false => name.push('-'),
+        if plain {
+            name.push(c);
+        } else if !name.is_empty() && !name.ends_with('-') {
+            name.push('-');
         }
     }
     name.truncate(LONGEST_VALUE);

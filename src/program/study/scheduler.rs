@@ -177,9 +177,10 @@ impl Scheduler<'_> {
         if exit.success && has_advanced {
             return Ok(()); // it ended itself with a checkpoint, and is started again
         }
-        let reason = match exit.success {
-            true => "ended without a newer checkpoint".to_owned(),
-            false => exit.description,
+        let reason = if exit.success {
+            "ended without a newer checkpoint".to_owned()
+        } else {
+            exit.description
         };
         log::error!("{name}: {reason}");
         folder.note_failure(member, &reason)

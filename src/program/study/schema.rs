@@ -73,9 +73,9 @@ go by number or by name: `stage.2.duration`, `stage.ramp.duration`.",
         title: "the quantities of the study",
         keys: quantity::KEYS,
         before: "\
-Each `[measure.NAME]` is a quantity that is taken from every run; NAME is yours, of characters, digits, `_` and `-`. A study has one
-quantity at least, here, in `measures` or in `[bisection]`. The columns of `series.csv` are in [files.md](files.md), the numbers that the run measures itself in
-[measures.md](measures.md), those of `talcum analyse` in [analyse.md](analyse.md).",
+Each `[measure.NAME]` is a quantity that is taken from every run; NAME is yours, of characters, digits, `_` and `-`. A study has at least one
+quantity, here, in `measures` or in `[bisection]`. [files.md](files.md) lists the columns of `series.csv`, [instruments.md](instruments.md)
+the numbers of instruments, and [analyse.md](analyse.md) those of `talcum analyse`.",
         after: "",
     },
     Chapter {

@@ -1,4 +1,4 @@
-//! `talcum summary`: a table of means for runs that were made by hand.
+//! `talcum summary`: a table of statistics of runs that were made by hand.
 
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
@@ -15,35 +15,36 @@ use talcum_results::output::{Cells, Column, ResultTable, print, read_text};
 /// Options of `talcum summary`.
 #[derive(Clone, Debug, Args)]
 pub struct SummaryOptions {
-    /// Folders of results.
+    /// The folders of results.
     #[arg(required = true)]
     pub(crate) results: Vec<PathBuf>,
-    /// Columns of series.csv (default: all, or none if there is --measure).
+    /// Include this column of series.csv (default: all columns, or none with --quantity); may be repeated.
     #[arg(long = "column", value_name = "NAME")]
     pub(crate) columns: Vec<String>,
-    /// Numbers of `talcum analyse` (waves.speed), or of a section [measure.NAME] of the case (NAME.COLUMN).
-    #[arg(long = "measure", value_name = "NAME")]
-    pub(crate) measures: Vec<String>,
-    /// mean, last, max, min or deviation of the rows; numbers of `talcum analyse` have their own means.
-    #[arg(long, default_value = "mean")]
+    /// Include this number of `talcum analyse` (waves.speed), or of an instrument of the case (NAME.COLUMN); may be
+    /// repeated.
+    #[arg(long = "quantity", alias = "measure", value_name = "NAME")]
+    pub(crate) quantities: Vec<String>,
+    /// Take this statistic of the rows: mean, last, max, min or deviation; it does not apply to `talcum analyse`.
+    #[arg(long, value_name = "NAME", default_value = "mean")]
     pub(crate) statistic: String,
-    /// Ignore what is before this time.
+    /// Ignore everything before this time.
     #[arg(long, value_name = "TIME")]
     pub(crate) from: Option<f64>,
-    /// Ignore what is after this time.
+    /// Ignore everything after this time.
     #[arg(long, value_name = "TIME")]
     pub(crate) to: Option<f64>,
-    /// Use only this much time before the end of each run, instead of --from and --to.
+    /// Use only so much time before the end of each run; excludes --from and --to.
     #[arg(long, value_name = "DURATION", conflicts_with_all = ["from", "to"])]
     pub(crate) last: Option<f64>,
-    /// Print means and intervals over runs that differ in their seeds only, instead of a row for each run.
+    /// Print means and intervals over runs that differ only in their seeds, instead of a row for each run.
     #[arg(long)]
     pub(crate) points: bool,
-    /// Level of confidence of the intervals.
-    #[arg(long, default_value_t = 0.95)]
+    /// Confidence level of the intervals.
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
     pub(crate) confidence: f64,
-    /// Write runs.csv and points.csv into this folder instead.
-    #[arg(long)]
+    /// Write runs.csv and points.csv to this folder, instead of printing a table.
+    #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
 }
 
@@ -132,11 +133,11 @@ impl<'o> Summary<'o> {
         }
         let mut summary = Self { keys: differing_keys(&runs), runs, options, columns, values };
         let registry = Registry::default();
-        for name in &options.measures {
+        for name in &options.quantities {
             let quantity = registry.of_results(name, reduction, &options.results);
             let quantity =
-                quantity.map_err(|error| anyhow::anyhow!("--measure {name}: {error}"))?;
-            summary.add(name, quantity.as_ref()).with_context(|| format!("--measure {name}"))?;
+                quantity.map_err(|error| anyhow::anyhow!("--quantity {name}: {error}"))?;
+            summary.add(name, quantity.as_ref()).with_context(|| format!("--quantity {name}"))?;
         }
         Ok(summary)
     }
@@ -218,7 +219,7 @@ impl<'o> Summary<'o> {
         };
         let given: Vec<Vec<f64>> = groups.iter().map(given).collect();
         let of_points = OfPoints { name, unit: Some(unit), given: &given };
-        let may_be_nothing = self.options.measures.iter().any(|measure| measure == name);
+        let may_be_nothing = self.options.quantities.iter().any(|quantity| quantity == name);
         of_points.columns(may_be_nothing, self.options.confidence)
     }
 
@@ -267,7 +268,7 @@ fn columns(runs: &[Run], options: &SummaryOptions) -> anyhow::Result<Vec<(String
     };
     let all = first.series.columns.iter().filter(|(name, _)| name != "time" && in_all(name));
     if options.columns.is_empty() {
-        return Ok(if options.measures.is_empty() { all.cloned().collect() } else { Vec::new() });
+        return Ok(if options.quantities.is_empty() { all.cloned().collect() } else { Vec::new() });
     }
     let known: Vec<(String, String)> = all.cloned().collect();
     let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();

@@ -1,8 +1,8 @@
-//! The reason why a measure has no value.
+//! The reason why a quantity has no value.
 
 use std::fmt;
 
-/// The reason why a quantity cannot be measured from the given data.
+/// The reason why a quantity has no value for the given data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoValue {
     reason: String,

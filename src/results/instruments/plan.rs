@@ -25,7 +25,7 @@ impl InstrumentPlan {
     }
 
     /// Names of the columns of its table `results` with one number in a row.
-    pub fn scalar_names(&self, bounds: &Bounds, gas_grid: Option<&BoxGrid>) -> Vec<&'static str> {
+    pub fn scalar_names(&self, bounds: &Bounds, gas_grid: Option<&BoxGrid>) -> Vec<String> {
         // Sizes and heights determine the length of arrays, not the columns.
         let height = bounds.lengths().z;
         let sizes =
@@ -33,7 +33,7 @@ impl InstrumentPlan {
         let column = &ColumnGrid::new(bounds, height, 1.0);
         let Self { every, start, .. } = *self;
         let setting = Setting { bounds, sizes, column, gas_grid, every, start };
-        self.kind.begin(&setting).layout().scalars().map(|column| column.name).collect()
+        self.kind.begin(&setting).layout().scalars().map(|column| column.name.to_string()).collect()
     }
 
     /// Its settings as text. A file, or a stored instrument, with other settings cannot be continued.

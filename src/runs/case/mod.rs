@@ -205,7 +205,7 @@ impl Case {
     }
 
     /// Each instrument with the names of the numbers that it gives at each of its times.
-    pub fn measured_scalars(&self) -> BTreeMap<String, Vec<&'static str>> {
+    pub fn scalars_of_instruments(&self) -> BTreeMap<String, Vec<String>> {
         let gas_grid = self.volume_averaged().map(|gas| &gas.grid);
         let scalars = |plan: &InstrumentPlan| {
             (plan.name.clone(), plan.scalar_names(&self.domain.bounds, gas_grid))

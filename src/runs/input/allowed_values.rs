@@ -85,17 +85,18 @@ fn require_members<T>(members: &[T]) -> Result<(), String> {
 
 fn check_texts(texts: &[String]) -> Result<(), String> {
     require_members(texts)?;
-    match texts.iter().any(|text| text.trim().is_empty()) {
-        true => Err("none may be empty".to_owned()),
-        false => Ok(()),
+    if texts.iter().any(|text| text.trim().is_empty()) {
+        return Err("none may be empty".to_owned());
     }
+    Ok(())
 }
 
 fn check_counts(counts: &[u64], [least, most]: [u64; 2]) -> Result<(), String> {
     require_members(counts)?;
-    match counts.iter().all(|count| (least..=most).contains(count)) {
-        true => Ok(()),
-        false => Err(format!("each must be between {least} and {most}")),
+    if counts.iter().all(|count| (least..=most).contains(count)) {
+        Ok(())
+    } else {
+        Err(format!("each must be between {least} and {most}"))
     }
 }
 

@@ -96,13 +96,12 @@ impl<'a> Section<'a> {
     /// Checks for keys that are missing, that exclude each other, or that belong to another one.
     fn check_presence(&self) {
         for key in &self.keys.active {
-            match self.has(key.name) {
-                true => self.check_companions(key),
-                false if key.required == Required::Always => self.check_missing(key),
-                false if key.required == Required::Never && !self.has_any(key.partners) => {
-                    self.note_default(key.name);
-                }
-                false => {}
+            if self.has(key.name) {
+                self.check_companions(key);
+            } else if key.required == Required::Always {
+                self.check_missing(key);
+            } else if key.required == Required::Never && !self.has_any(key.partners) {
+                self.note_default(key.name);
             }
         }
     }
@@ -336,9 +335,10 @@ impl<'a> Section<'a> {
 
     /// A section that may be left out: then all its keys have their defaults.
     pub fn table_or_defaults(&self, name: &str) -> Option<Section<'a>> {
-        match self.has(name) {
-            true => self.table(name),
-            false => Self::open(&NOTHING, self.key(name)?.kind.keys(), self.problems),
+        if self.has(name) {
+            self.table(name)
+        } else {
+            Self::open(&NOTHING, self.key(name)?.kind.keys(), self.problems)
         }
     }
 

@@ -132,7 +132,7 @@ fn begin(
     }
     if ranks.is_root() {
         let name = &plan.name;
-        log::warn!("measure {name} had other settings in the checkpoint: it starts again");
+        log::warn!("instrument {name} had other settings in the checkpoint: it starts again");
     }
     plan.kind.begin(setting)
 }

@@ -89,7 +89,7 @@ impl<'a> Simulation<'a> {
         };
         // The row of the first instant belongs to the run that led to it, if there was one.
         if is_new {
-            simulation.measure_due()?;
+            simulation.sample_due()?;
             simulation.write_due(None)?;
         }
         Ok(simulation)
@@ -157,12 +157,12 @@ impl<'a> Simulation<'a> {
         });
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, self.work, self.ranks)?;
-        let measures_start = Instant::now();
+        let instruments_start = Instant::now();
         if self.models.physics.gas.is_due(self.steps_done()) {
-            self.stage_rate.note(measures_start);
+            self.stage_rate.note(instruments_start);
         }
-        self.measure_due()?;
-        self.work.timers.add(Phase::Measures, measures_start.elapsed());
+        self.sample_due()?;
+        self.work.timers.add(Phase::Instruments, instruments_start.elapsed());
         let output_start = Instant::now();
         self.write_due(probe)?;
         if requests.checkpoint || self.checkpoints.due(self.state.clock(), &self.work.gas) {
@@ -268,7 +268,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Takes a sample for each instrument that is due at this step. Collective.
-    fn measure_due(&mut self) -> Result<(), RunError> {
+    fn sample_due(&mut self) -> Result<(), RunError> {
         let clock = *self.state.clock();
         if !self.instruments.due(&clock) {
             return Ok(());

@@ -46,7 +46,8 @@ fn what_files_do_not_allow_is_said_and_is_no_error() {
     assert!(made.path().join("analysis.h5").exists());
     // A part of it elsewhere.
     let other = tempfile::tempdir().unwrap();
-    let options = ["--measure", "mean", "--from", "10", "--output", other.path().to_str().unwrap()];
+    let options =
+        ["--analysis", "mean", "--from", "10", "--output", other.path().to_str().unwrap()];
     let part = analyse(made.path(), &options);
     assert!(part.output.contains("mean.gas_force") && !part.output.contains("profiles.h5"));
     assert!(other.path().join("analysis.h5").exists());
@@ -68,7 +69,7 @@ fn damaged_and_foreign_files_are_named() {
         (b"solids fraction".to_vec(), "not an HDF5 file"),
     ] {
         std::fs::write(&profiles, bytes).unwrap();
-        let ended = analyse(made.path(), &["--measure", "waves", "--measure", "mean"]);
+        let ended = analyse(made.path(), &["--analysis", "waves", "--analysis", "mean"]);
         assert_eq!(ended.code(), Some(1), "{}\n{}", ended.output, ended.errors);
         let error = ended.error();
         assert!(error.contains("profiles.h5") && error.contains(said), "{error}");
@@ -76,15 +77,15 @@ fn damaged_and_foreign_files_are_named() {
         assert!(ended.output.contains("mean.gas_force"), "{}", ended.output);
     }
     std::fs::write(&profiles, whole).unwrap();
-    assert_eq!(analyse(made.path(), &["--measure", "waves"]).code(), Some(0));
+    assert_eq!(analyse(made.path(), &["--analysis", "waves"]).code(), Some(0));
     // A series with a row that is none, and one that is being written.
     let series = made.path().join("series.csv");
     let text = std::fs::read_to_string(&series).unwrap();
     std::fs::write(&series, format!("{text}1.0,2.0\n")).unwrap();
-    let ended = analyse(made.path(), &["--measure", "mean"]);
+    let ended = analyse(made.path(), &["--analysis", "mean"]);
     assert!(ended.error().contains("is not a row of numbers"), "{}", ended.errors);
     std::fs::write(&series, format!("{text}100.0,2.")).unwrap();
-    assert_eq!(analyse(made.path(), &["--measure", "mean"]).code(), Some(0));
+    assert_eq!(analyse(made.path(), &["--analysis", "mean"]).code(), Some(0));
 }
 
 #[test]
@@ -95,14 +96,17 @@ fn bad_options_are_refused() {
         assert_eq!(ended.code(), Some(1));
         assert!(ended.error().contains(said), "{}", ended.errors);
     };
-    refused(&["--measure", "wave"], "--measure wave: no such measure; there are bed, waves, u_mf");
+    refused(
+        &["--analysis", "wave"],
+        "--analysis wave: there is no such analysis; there are bed, waves, u_mf",
+    );
     refused(&["--from", "5", "--to", "2"], "the first must not be after the last");
     let elsewhere = tempfile::tempdir().unwrap();
     let ended = analyse(elsewhere.path(), &[]);
     assert!(ended.error().contains("name the folder of results of a run"), "{}", ended.errors);
     let none = made.path().join("late");
     std::fs::create_dir(&none).unwrap();
-    let late = analyse(made.path(), &["--measure", "mean", "--from", "1000"]);
+    let late = analyse(made.path(), &["--analysis", "mean", "--from", "1000"]);
     assert_eq!(late.code(), Some(0));
     assert!(late.output.contains("holds nothing between the times 1000"), "{}", late.output);
 }

@@ -97,7 +97,7 @@ fn vtk_reads_lines_of_contacts_written_on_any_ranks_and_continued() {
 }
 
 #[test]
-fn vtk_reads_fields_of_measures() {
+fn vtk_reads_fields_of_instruments() {
     const COUNTS_OF_CELLS: [usize; 3] = [2, 3, 5];
     let folder = tempfile::tempdir().unwrap();
     let field = |name, components: usize| {

@@ -1,4 +1,4 @@
-//! Measuring changes no bit of a run, and instruments have the same bits on any number of ranks and after restarts.
+//! Instruments change no bit of a run, and their results have the same bits on any number of ranks and after restarts.
 
 use super::{Part, assert_same, case, contents, remove_newest_checkpoint, run};
 use crate::launch::{in_repository, talcum};
@@ -7,7 +7,7 @@ use std::path::Path;
 use talcum::case::Case;
 use talcum::output::InstrumentResults;
 
-/// A cohesive, vibrated bed with a column of gas, without measures.
+/// A cohesive, vibrated bed with a column gas, without instruments.
 fn column_bed() -> String {
     let text = std::fs::read_to_string(in_repository("cases/smoke/rank-equality.toml")).unwrap();
     let text =
@@ -120,8 +120,8 @@ axis = "z"
 position = 3.0e-4
 "#;
 
-/// Runs a case on 1 to 4 ranks and through a restart after a kill; all files of instruments must be the same, and the run
-/// that of the case without measures.
+/// Runs a case on 1 to 4 ranks and through a restart after a kill; all files of instruments must be the same, and
+/// the digest must be that of the case without instruments.
 fn check(base: &str, instruments: &str, end: f64) {
     let every = format!("checkpoint.every={}", 0.3 * end);
     let plain = case(&Case::text_with(base, "case.toml", &[every]).unwrap());
@@ -157,17 +157,17 @@ fn check(base: &str, instruments: &str, end: f64) {
 }
 
 #[test]
-fn measures_of_particles_are_the_same_on_any_ranks_and_through_restarts() {
+fn instruments_of_particles_are_the_same_on_any_ranks_and_through_restarts() {
     check(&column_bed(), INSTRUMENTS, 1.2);
 }
 
 #[test]
-fn measures_of_a_gas_are_the_same_on_any_ranks_and_through_restarts() {
+fn instruments_of_a_gas_are_the_same_on_any_ranks_and_through_restarts() {
     check(&fluidised_bed(), INSTRUMENTS_OF_GAS, 3.0e-4);
 }
 
 #[test]
-fn the_program_measures_the_same_under_mpirun() {
+fn the_program_gives_the_same_results_under_mpirun() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).display().to_string();
     let path = folder.path().join("case.toml");
@@ -181,7 +181,7 @@ fn the_program_measures_the_same_under_mpirun() {
         &contents(&folder.path().join("one")),
         "mpirun",
     );
-    // Results of an earlier run, those of instruments among them, are refused and removed as all are.
+    // Results of an earlier run, with those of instruments, are refused, and removed with --force.
     let again = talcum(0, &["run", &path, "--output", &place("one"), "--until", "0.6"]);
     assert_ne!(again.code(), Some(0));
     let without = folder.path().join("without.toml");
@@ -213,7 +213,7 @@ fn members_in_snapshots(folder: &Path) -> Vec<(f64, BTreeMap<i64, usize>)> {
 }
 
 #[test]
-fn snapshots_show_the_agglomerates_of_the_last_look() {
+fn snapshots_show_the_agglomerates_of_the_last_sample() {
     let set = ["output.particles=0.3", "output.agglomerates=agglomerates", "checkpoint.every=0.3"];
     let text = format!("{}{INSTRUMENTS}", column_bed());
     let text = Case::text_with(&text, "case.toml", &set.map(str::to_owned)).unwrap();
@@ -237,8 +237,8 @@ fn snapshots_show_the_agglomerates_of_the_last_look() {
         assert_eq!(*found, expected, "{time}");
         largest = largest.max(expected.values().copied().max().unwrap_or(0));
     }
-    assert!(largest >= 3, "there are agglomerates to be shown");
-    // Before the second look nothing is known.
+    assert!(largest >= 3, "there are agglomerates to show");
+    // Nothing is known before the second sample.
     assert!(whole[0].1.is_empty());
     run(&case, &place("parts"), &Part { ranks: 2, resume: false, until: 0.95 });
     remove_newest_checkpoint(&place("parts"));

@@ -1,4 +1,4 @@
-"""Reads particles.vtkhdf, gas.vtkhdf or a file of a measure as ParaView does and compares it with a table, bit by bit.
+"""Reads particles.vtkhdf, gas.vtkhdf or a file of an instrument as ParaView does and compares it with a table, bit by bit.
 
 Usage: read_vtkhdf.py FILE expected.csv
 expected.csv has a row for each particle, cell or line at each time: time, then the numbers in the order of `NAMES`.

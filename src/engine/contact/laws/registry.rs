@@ -130,7 +130,7 @@ macro_rules! contact_laws {
         }
 
         impl $crate::contact::ContactForceLaw for ContactLaw {
-            // The match is by type, since measures and the energy ledger evaluate all contacts one by one.
+            // The match is by type, since instruments and the energy ledger evaluate all contacts one by one.
             #[inline(always)]
             fn force(
                 &self,

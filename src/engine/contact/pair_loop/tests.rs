@@ -79,7 +79,7 @@ fn first_difference(share: f64) -> Option<usize> {
 #[test]
 fn a_list_that_lives_for_many_steps_gives_the_forces_of_a_new_one() {
     assert_eq!(first_difference(1.0), None);
-    assert!(first_difference(0.2).is_some(), "a control: what has moved must be given");
+    assert!(first_difference(0.2).is_some(), "a control: displacements must be given");
 }
 
 /// Forces of some steps in which spheres move and spin, by the loop for one size or by the loop for many.

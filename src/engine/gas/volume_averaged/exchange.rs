@@ -321,10 +321,11 @@ impl ParticleExchange {
 fn largest_drag(model: &CouplingModel, limits: &ParticleLimits, shares_surface: bool) -> f64 {
     let ([smallest, largest], slip) = (limits.diameters, 2.0 * limits.speed);
     let dense = 1.0 - model.least_voidage;
-    let of_law = match shares_surface {
+    let of_law = if shares_surface {
         // A large particle among small ones has the largest coefficient.
-        true => model.drag.per_velocity_in_mixture([largest, smallest], dense, slip),
-        false => model.drag.per_velocity(largest, dense, slip),
+        model.drag.per_velocity_in_mixture([largest, smallest], dense, slip)
+    } else {
+        model.drag.per_velocity(largest, dense, slip)
     };
     let of_local = model.local_voidage.map_or(1.0, |_| LocalVoidage::factor(1.0, dense));
     let of_own = if model.undisturbed { OwnDisturbance::LARGEST_FACTOR } else { 1.0 };

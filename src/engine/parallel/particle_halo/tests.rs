@@ -96,10 +96,13 @@ fn pairs_on(grid: [usize; 3]) -> (Vec<[u64; 2]>, usize) {
             for j in i + 1..particles.count() {
                 let branch = particles.body[j].position - particles.body[i].position;
                 let ids = [particles.id[i], particles.id[j]];
-                match branch.norm() < WIDTH {
-                    true if j < particles.owned_count() => owned += 1,
-                    true => with_ghosts.push([ids[0].min(ids[1]), ids[0].max(ids[1])]),
-                    false => (),
+                if branch.norm() >= WIDTH {
+                    continue;
+                }
+                if j < particles.owned_count() {
+                    owned += 1;
+                } else {
+                    with_ghosts.push([ids[0].min(ids[1]), ids[0].max(ids[1])]);
                 }
             }
         }

@@ -21,15 +21,15 @@ use talcum_results::output::print;
 /// Options of `talcum watch`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct WatchOptions {
-    /// The folder of results of a run, which may be running, finished, or not yet writing.
+    /// The folder of results; the run may be in progress, finished, or about to start.
     results: PathBuf,
-    /// Columns of series.csv to draw, instead of a choice of those that have something to show.
+    /// Draw these columns of series.csv (default: a few of those that vary).
     #[arg(long, value_name = "NAME,NAME,...", value_delimiter = ',')]
     columns: Vec<String>,
-    /// Print one report and end, as without a terminal.
+    /// Print one report and exit, as is done without a terminal.
     #[arg(long, conflicts_with = "serve")]
     once: bool,
-    /// Show a page in the browser instead: a port of this machine, or an address with a port.
+    /// Serve a page for the browser instead, at a port of this machine, or at an address with a port.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = serve::DEFAULT)]
     serve: Option<Address>,
 }

@@ -32,10 +32,7 @@ fn axis(section: &Section<'_>, text: &str) -> Option<GivenAxis> {
             return None;
         }
     };
-    let name = match section.has("name") {
-        true => section.text("name")?,
-        false => keys.first()?.clone(),
-    };
+    let name = if section.has("name") { section.text("name")? } else { keys.first()?.clone() };
     let axis = Axis { name, keys, values, line: section.node.line() };
     Some(GivenAxis { axis, replicate: section.boolean("replicate")? })
 }
@@ -109,9 +106,10 @@ fn between([from, to]: [f64; 2], index: u64, last: u64, logarithmic: bool) -> f6
 }
 
 fn of_range(number: f64, whole: bool) -> Value {
-    match whole {
-        true => Value::new(&format!("{number:.0}"), Some(number)),
-        false => Value::from_number(number),
+    if whole {
+        Value::new(&format!("{number:.0}"), Some(number))
+    } else {
+        Value::from_number(number)
     }
 }
 

@@ -167,9 +167,10 @@ fn wrong_name(name: &str, known: &[NamedQuantity]) -> Option<&'static str> {
 /// `[start]`; paths are relative to the study file at `path`.
 fn start(section: &Section<'_>, path: &Path) -> Option<Start> {
     let study = path.parent().unwrap_or(Path::new("")).join(section.text("study")?);
-    let results = match section.has("results") {
-        true => PathBuf::from(section.text("results")?),
-        false => StudyFolder::default_of(&study),
+    let results = if section.has("results") {
+        PathBuf::from(section.text("results")?)
+    } else {
+        StudyFolder::default_of(&study)
     };
     Some(Start { study, results, line: section.node.line() })
 }

@@ -1,4 +1,4 @@
-//! A number or text measured by `talcum analyse`.
+//! A number or text of `talcum analyse`.
 
 use super::window::{WINDOW, Window};
 use super::{Measured, Quantity, Value};
@@ -12,7 +12,7 @@ use talcum_engine::schema::{self, Key};
 use talcum_results::output::OutputError;
 use talcum_runs::input::{Section, advice};
 
-/// What was found on a run by one measure of `talcum analyse`; runs are read once, however often a search asks for them.
+/// The findings of one analysis on a run; runs are read once, however often a search asks for them.
 type Found = HashMap<(PathBuf, &'static str, String), Rc<post_processing::Findings>>;
 
 /// Keys of the source `analysis`.
@@ -20,12 +20,12 @@ pub(super) const KEYS: &[Key] = &[
     Key::new(
         "quantity",
         schema::Kind::Text,
-        "What is measured, as `talcum analyse --list` names it: `waves.speed`, `bed.height`, ...",
+        "A number or text, as `talcum analyse --list` names it: `waves.speed`, `bed.height`, ...",
     ),
     WINDOW,
 ];
 
-/// Everything that `talcum analyse` measures, and what it has found.
+/// The numbers and texts of `talcum analyse`, and what it has found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Analysis {
     found: Rc<RefCell<Found>>,
@@ -64,7 +64,7 @@ struct Analysed {
 }
 
 impl Analysed {
-    /// The findings of its measure on a run.
+    /// The findings of its analysis on a run.
     fn findings(&self, results: &Path) -> Result<Rc<post_processing::Findings>, OutputError> {
         let analysis = self.scalar.analysis;
         let key = (results.to_owned(), analysis.name, self.window.to_string());

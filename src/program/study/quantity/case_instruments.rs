@@ -1,4 +1,4 @@
-//! A number measured by the run itself, through a section `[measure.NAME]` of its case.
+//! A number that an instrument of the run gives, a section `[measure.NAME]` of its case.
 
 use super::reduction::{Reduction, STATISTIC};
 use super::window::WINDOW;
@@ -11,11 +11,15 @@ use talcum_runs::input::{Section, advice};
 
 /// Keys of the source `case`.
 pub(super) const KEYS: &[Key] = &[
-    Key::new("measure", Kind::Text, "The NAME of a section `[measure.NAME]` of the case"),
+    Key::new(
+        "measure",
+        Kind::Text,
+        "The NAME of an instrument, a section `[measure.NAME]` of the case",
+    ),
     Key::new(
         "column",
         Kind::Text,
-        "A number that this measure gives, one of `scalars` in its file",
+        "A number that this instrument gives, one of `scalars` in its file",
     ),
     STATISTIC,
     WINDOW,
@@ -24,32 +28,32 @@ pub(super) const KEYS: &[Key] = &[
 /// The quantity of a section.
 pub(super) fn read(section: &Section<'_>) -> Option<Box<dyn Quantity>> {
     let reduction = Reduction::of_section(section);
-    let (measure, column) = (section.text("measure")?, section.text("column")?);
-    Some(Box::new(ResultStatistic { measure, column, reduction: reduction? }))
+    let (instrument, column) = (section.text("measure")?, section.text("column")?);
+    Some(Box::new(ResultStatistic { instrument, column, reduction: reduction? }))
 }
 
-/// One statistic of one column of the table `results` of a measure.
+/// One statistic of one column of the table `results` of an instrument.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ResultStatistic {
-    pub(super) measure: String,
+    pub(super) instrument: String,
     pub(super) column: String,
     pub(super) reduction: Reduction,
 }
 
 impl ResultStatistic {
-    /// Whether the results of a run contain the file of its measure.
+    /// Whether the results of a run contain the file of its instrument.
     pub(super) fn is_in(&self, results: &Path) -> bool {
-        InstrumentResults::file_of(&self.measure, results).exists()
+        InstrumentResults::file_of(&self.instrument, results).exists()
     }
 }
 
 impl Quantity for ResultStatistic {
     /// Rows that are undefined, such as the mean size if there are no agglomerates, do not count.
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
-        let path = InstrumentResults::file_of(&self.measure, results);
+        let path = InstrumentResults::file_of(&self.instrument, results);
         if !self.is_in(results) {
             let message =
-                format!("is not there: the case has no section [measure.{}]", self.measure);
+                format!("is not there: the case has no section [measure.{}]", self.instrument);
             return Err(OutputError { path, message });
         }
         let table = InstrumentResults::read(&path)?;
@@ -68,27 +72,25 @@ impl Quantity for ResultStatistic {
     }
 
     fn describe(&self) -> String {
-        let column = format!("{}.{}", self.measure, self.column);
+        let column = format!("{}.{}", self.instrument, self.column);
         format!("{} as the run measured it", self.reduction.describe(&column))
     }
 
     fn check(&self, run: &RunOutline) -> Result<(), String> {
-        let Some(columns) = run.measures.get(&self.measure) else {
-            let known: Vec<&str> = run.measures.keys().map(String::as_str).collect();
-            return Err(match known.is_empty() {
-                true => "the case has no section [measure.NAME]".to_owned(),
-                false => format!(
-                    "the case has no [measure.{}]: {}",
-                    self.measure,
-                    advice(&self.measure, &known)
-                ),
-            });
+        let Some(columns) = run.instruments.get(&self.instrument) else {
+            let known: Vec<&str> = run.instruments.keys().map(String::as_str).collect();
+            if known.is_empty() {
+                return Err("the case has no section [measure.NAME]".to_owned());
+            }
+            let advice = advice(&self.instrument, &known);
+            return Err(format!("the case has no [measure.{}]: {advice}", self.instrument));
         };
-        if !columns.contains(&self.column.as_str()) {
-            let advice = advice(&self.column, columns);
+        if !columns.contains(&self.column) {
+            let known: Vec<&str> = columns.iter().map(String::as_str).collect();
+            let advice = advice(&self.column, &known);
             return Err(format!(
-                "measure.{} has no number {}: {advice}",
-                self.measure, self.column
+                "the instrument {} has no number {}: {advice}",
+                self.instrument, self.column
             ));
         }
         self.reduction.window.check(run.end_time)

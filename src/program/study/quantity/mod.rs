@@ -1,4 +1,4 @@
-//! What is measured on a finished run: one number with its unit, or one text.
+//! Quantities of a finished run: one number with its unit, or one text each.
 //!
 //! A quantity comes from a *source*, a file of this folder: the keys of a section `[measure.NAME]` of a study file, or a name
 //! in its list `measures`, say which. A [`Registry`] makes them.
@@ -31,10 +31,10 @@ const SOURCES: &[Word] = &[
     Word::with("series", "a statistic of a column of `series.csv`", series::KEYS),
     Word::with(
         "case",
-        "a statistic of what the run measured itself, by a section `[measure.NAME]` of its case",
+        "a statistic of a number of an instrument, a section `[measure.NAME]` of the case",
         case_instruments::KEYS,
     ),
-    Word::with("analysis", "what `talcum analyse` measures on the results", analysis::KEYS),
+    Word::with("analysis", "a number or text of `talcum analyse`", analysis::KEYS),
 ];
 
 /// What a run gave.
@@ -69,7 +69,7 @@ pub(crate) trait Quantity: fmt::Debug {
     /// What the run gave.
     ///
     /// # Errors
-    /// If the results cannot be read, or lack what is measured.
+    /// If the results cannot be read, or lack what the quantity needs.
     fn value(&self, results: &Path) -> Result<Measured, OutputError>;
 
     /// What is taken, for the head of a table.
@@ -81,7 +81,7 @@ pub(crate) trait Quantity: fmt::Debug {
     /// What is wrong, and what is allowed.
     fn check(&self, run: &RunOutline) -> Result<(), String>;
 
-    /// Why this run will have nothing to measure, as far as its case shows.
+    /// Why this run will have no value, as far as its case shows.
     fn impossible(&self, _run: &RunOutline) -> Option<String> {
         None
     }
@@ -91,7 +91,7 @@ pub(crate) trait Quantity: fmt::Debug {
         None
     }
 
-    /// Whether a run may have nothing to measure, which is no error.
+    /// Whether a run may have no value, which is no error.
     fn may_be_nothing(&self) -> bool {
         false
     }
@@ -130,7 +130,7 @@ impl Registry {
         }
     }
 
-    /// What `talcum analyse` measures by this name, of the whole run.
+    /// The number or text of `talcum analyse` with this name, of the whole run.
     ///
     /// # Errors
     /// What to write instead, if it is no such name.
@@ -139,8 +139,8 @@ impl Registry {
         found.map_err(|advice| format!("no such quantity: {advice}"))
     }
 
-    /// The quantity of a name on results that are there: a number of `talcum analyse`, as in `waves.speed`, or a column of a
-    /// measure of the case, as in `network.mean_age`. The times of the reduction hold for both kinds; its statistic is that
+    /// The quantity of a name on results that are there: a number of `talcum analyse`, as in `waves.speed`, or a column of an
+    /// instrument of the case, as in `network.mean_age`. The times of the reduction hold for both kinds; its statistic is that
     /// of rows.
     ///
     /// # Errors
@@ -158,14 +158,14 @@ impl Registry {
             Ok(quantity) => return Ok(quantity),
             Err(advice) => advice,
         };
-        let of_case = name.split_once('.').map(|(measure, column)| ResultStatistic {
-            measure: measure.to_owned(),
+        let of_case = name.split_once('.').map(|(instrument, column)| ResultStatistic {
+            instrument: instrument.to_owned(),
             column: column.to_owned(),
             reduction,
         });
-        match of_case.filter(|measure| results.iter().any(|it| measure.is_in(it))) {
-            Some(measure) => Ok(Box::new(measure)),
-            None => Err(format!("nothing that talcum analyse measures: {advice}")),
+        match of_case.filter(|statistic| results.iter().any(|it| statistic.is_in(it))) {
+            Some(statistic) => Ok(Box::new(statistic)),
+            None => Err(format!("no number of talcum analyse: {advice}")),
         }
     }
 }

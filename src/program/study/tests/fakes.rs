@@ -42,9 +42,10 @@ impl CaseChecker for FakeChecker {
             return Err(problems);
         }
         let end_time = self.effective(&request.case, &request.settings).unwrap().end_time();
-        let measures = [("network".to_owned(), vec!["contacts", "mean_age"])].into();
+        let scalars = ["contacts", "mean_age"].map(str::to_owned).to_vec();
+        let instruments = [("network".to_owned(), scalars)].into();
         let impossible = [("bubbles", "there is no gas.vtkhdf".to_owned())].into();
-        Ok(RunOutline { end_time: end_time.unwrap(), measures, impossible })
+        Ok(RunOutline { end_time: end_time.unwrap(), instruments, impossible })
     }
 }
 

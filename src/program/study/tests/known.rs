@@ -83,7 +83,10 @@ fn tables_that_do_not_fit_are_refused() {
     let (value, heading) = ("8.4", "bed_top");
     assert!(table.contains(value) && table.contains(heading), "{table}");
     let otherwise = table.replace("last of bed_top", "mean of bed_top");
-    assert!(refusal(&otherwise).contains("quantity top: last of bed_top: this was not measured"));
+    assert!(
+        refusal(&otherwise)
+            .contains("quantity top: last of bed_top: this is no quantity of the table")
+    );
     for wrong in ["high", "inf", "-infinity", "nan"] {
         let expected = format!("top: {wrong} is not a finite number");
         assert!(refusal(&table.replace(value, wrong)).contains(&expected), "{wrong}");

@@ -85,11 +85,11 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "[measure.x]\nsource = \"case\"\nmeasure = \"network\"\ncolumn = \"mean_ages\"\nstatistic = \"mean\"\n",
-        "study.toml:3: measure.x: measure.network has no number mean_ages: did you mean mean_age?",
+        "study.toml:3: measure.x: the instrument network has no number mean_ages: did you mean mean_age?",
     ),
     (
         "[measure.x]\nsource = \"case\"\nmeasure = \"network\"\nstatistic = \"mean\"\n",
-        "study.toml:3: measure.x.column: missing: must be a text in quotes (A number that this measure gives",
+        "study.toml:3: measure.x.column: missing: must be a text in quotes (A number that this instrument gives",
     ),
     (
         "[measure.state]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\n",

@@ -193,7 +193,7 @@ fn a_summary_of_the_runs_has_the_means_of_the_study() {
     let mut options = crate::study::SummaryOptions {
         results,
         columns: vec!["bed_top".to_owned()],
-        measures: Vec::new(),
+        quantities: Vec::new(),
         statistic: "last".to_owned(),
         from: None,
         to: None,
@@ -215,11 +215,11 @@ fn a_summary_of_the_runs_has_the_means_of_the_study() {
     options.columns = vec!["bed_tip".to_owned()];
     assert!(crate::study::summary(&options).unwrap_err().to_string().contains("no such column"));
     for (name, message) in [
-        ("bed.hight", "measures: did you mean bed.height?"),
-        ("hight", "nothing that talcum analyse measures"),
+        ("bed.hight", "of talcum analyse: did you mean bed.height?"),
+        ("hight", "no number of talcum analyse"),
         ("waves.state", "is a text"),
     ] {
-        options.measures = vec![name.to_owned()];
+        options.quantities = vec![name.to_owned()];
         options.columns.clear();
         let refused = crate::study::summary(&options).unwrap_err().to_string();
         assert!(refused.contains(message), "{name}: {refused}");

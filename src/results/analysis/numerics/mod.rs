@@ -1,4 +1,4 @@
-//! Numerical building blocks of the measures: Fourier transform, distribution functions, peaks.
+//! Numerical building blocks of the analyses: Fourier transform, distribution functions, peaks.
 
 pub mod distributions;
 pub mod fourier;

@@ -40,7 +40,7 @@ pub(super) fn read(
     rows.sort_by_key(|row| (row.id, row.line));
     if let Some(pair) = rows.windows(2).find(|pair| pair[0].id == pair[1].id) {
         let at = At { file, line: pair[1].line };
-        return Err(at.error(format!("id {} is that of line {} too", pair[0].id, pair[0].line)));
+        return Err(at.error(format!("id {} is also that of line {}", pair[0].id, pair[0].line)));
     }
     let bed = bed_of(plan, &rows, offset, file)?;
     let wrong = bed.size_range().map(|sizes| (plan.check_sizes)(&sizes)).unwrap_or_default();
@@ -86,7 +86,7 @@ fn bed_of(
     Ok(bed)
 }
 
-/// A position must not be beyond a face, but for a periodic one.
+/// A position must not be beyond a face that is not periodic.
 fn require_inside(plan: &BedPlan<'_>, id: u64, position: &Vector3<f64>) -> Result<(), String> {
     let bounds = &plan.domain.bounds;
     for (axis, name) in ['x', 'y', 'z'].into_iter().enumerate() {

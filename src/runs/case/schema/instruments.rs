@@ -6,7 +6,7 @@ use talcum_results::instruments::InstrumentKind;
 
 /// `[measure.NAME]`.
 pub(in crate::case) const MEASURE: &[Key] = &[
-    Key::word("kind", InstrumentKind::WORDS, "What is measured"),
+    Key::word("kind", InstrumentKind::WORDS, "The kind of the instrument"),
     Key::number(
         "every",
         Allowed::POSITIVE,
@@ -20,11 +20,11 @@ pub(in crate::case) const MEASURE: &[Key] = &[
 
 pub(super) const CHAPTER: Chapter = Chapter {
     path: "measure",
-    title: "what is measured during the run",
+    title: "instruments of the run",
     keys: MEASURE,
     before: "\
-Each `[measure.NAME]` writes `measure-NAME.h5`, and some kinds `measure-NAME.vtkhdf` beside it; NAME is yours, of characters
-`A` to `Z`, `a` to `z`, `0` to `9`, `_` and `-`. Measuring never changes the run. [measures.md](measures.md) says what each kind measures, by which
-formula, and what stands in its files.",
+Each `[measure.NAME]` is an instrument. It writes `measure-NAME.h5`, and some kinds also write `measure-NAME.vtkhdf`; NAME is yours, of characters
+`A` to `Z`, `a` to `z`, `0` to `9`, `_` and `-`. Instruments never change the run. [instruments.md](instruments.md) describes each kind, with its
+formulas and its files.",
     after: "",
 };

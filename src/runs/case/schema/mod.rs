@@ -136,7 +136,7 @@ pub(super) const ROOT: &[Key] = &[
     Key::new("time", Kind::Table(TIME), "Time step and end of the run"),
     Key::new("stage", Kind::Tables(STAGE), "Stages of the run, one after another").optional(),
     Key::new("output", Kind::Table(OUTPUT), "Intervals of results"),
-    Key::new("measure", Kind::Named(MEASURE), "What is measured during the run").optional(),
+    Key::new("measure", Kind::Named(MEASURE), "The instruments of the run").optional(),
     Key::new("checkpoint", Kind::Table(CHECKPOINT), "When checkpoints are written").optional(),
     Key::new("run", Kind::Table(RUN), "Limit of wall-clock time").optional(),
     Key::new("parallel", Kind::Table(PARALLEL), "How the run is spread over ranks").optional(),

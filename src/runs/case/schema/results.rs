@@ -48,8 +48,8 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
     Key::new(
         "agglomerates",
         Kind::Text,
-        "Name of a measure of the kind `agglomerates`: snapshots of the particles show the agglomerate of each, as of \
-         the measure's last sample",
+        "Name of an instrument of the kind `agglomerates`: snapshots of the particles show the agglomerate of each, as of \
+         the instrument's last sample",
     )
     .with("particles")
     .optional(),

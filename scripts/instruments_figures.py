@@ -1,4 +1,4 @@
-"""Draws figures of the results of `[measure.NAME]`, `talcum analyse` and the ledger of energies; measures_gallery.py makes the runs."""
+"""Draws figures of the results of `[measure.NAME]`, `talcum analyse` and the ledger of energies; instruments_gallery.py makes the runs."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def closed(values: Array) -> Array:
 
 def phase_average(bed: talcum.Bed) -> Figure:
     """Forces, and lift and centre of mass, over a cycle of the plate."""
-    cycle = bed.measure("cycle")
+    cycle = bed.instrument("cycle")
     rows = cycle["results"]
     phase = np.append(cycle.constants["phase"], 1.0)
     figure, panels = new_figure(1, 2, WIDE)
@@ -74,7 +74,7 @@ def phase_average(bed: talcum.Bed) -> Figure:
 
 def stress(bed: talcum.Bed) -> Figure:
     """The parts of sigma_zz over height, and the sum at phases of the cycle."""
-    profile = bed.measure("stress")
+    profile = bed.instrument("stress")
     rows, height, phase = profile["results"], profile.constants["height"], profile.constants["phase"]
     parts = {name: rows[name][..., 2, 2] for name, _, _ in PARTS}
     figure, panels = new_figure(1, 2, (10.0, 4.8))
@@ -99,7 +99,7 @@ def stress(bed: talcum.Bed) -> Figure:
 
 def coordination(bed: talcum.Bed) -> Figure:
     """The coordination number over time, and its distribution."""
-    rows = bed.measure("coordination")["results"].between(bed.series["time"][-1] - LAST_CYCLES)
+    rows = bed.instrument("coordination")["results"].between(bed.series["time"][-1] - LAST_CYCLES)
     figure, panels = new_figure(1, 2, WIDE)
     mean, shares = panels[0]
     value, looks = rows["coordination_number"], rows["coordination_deviation"]
@@ -200,8 +200,8 @@ def agglomerates(bed: talcum.Bed) -> Figure:
 def mixing(bed: talcum.Bed, bubbling: talcum.Bed) -> Figure:
     """Half of the mean square displacement over the lag with the fitted lines, and the Lacey index over time of another bed."""
     figure, panels = new_figure(1, 2, WIDE)
-    displacements(panels[0, 0], bed.measure("spread"))
-    rows = bubbling.measure("mixing")["results"]
+    displacements(panels[0, 0], bed.instrument("spread"))
+    rows = bubbling.instrument("mixing")["results"]
     mixed = panels[0, 1]
     spread = STANDARD_ERRORS * rows["lacey_error"].mean()
     mixed.axhspan(1.0 - spread, 1.0 + spread, color=GREY, alpha=0.25, label="random mixture")
@@ -211,7 +211,7 @@ def mixing(bed: talcum.Bed, bubbling: talcum.Bed) -> Figure:
     return figure
 
 
-def displacements(panel: Any, found: talcum.Measure) -> None:
+def displacements(panel: Any, found: talcum.Instrument) -> None:
     """S^2 along x and y with bands from the spread of the windows, and the lines whose slopes are D."""
     rows, fits = found["results"], found["dispersion"]
     lags = np.unique(np.round(rows["lag"], 9))
@@ -262,7 +262,7 @@ def time_average(bed: talcum.Bed) -> Figure:
 
 def probe(bed: talcum.Bed) -> Figure:
     """Pressure and voidage at a point over time."""
-    rows = bed.measure("point")["results"].between(bed.series["time"][-1] - 2.0)
+    rows = bed.instrument("point")["results"].between(bed.series["time"][-1] - 2.0)
     figure, panels = new_figure(2, 1, (10.0, 4.6))
     pressure, voidage = panels[:, 0]
     pressure.plot(rows["time"], rows["pressure"], color=BLUE)

@@ -1,4 +1,4 @@
-"""Tests of measures_gallery.py: its cases, its figures in the book, and one run that is made and drawn."""
+"""Tests of instruments_gallery.py: its cases, its figures in the book, and one run that is made and drawn."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-import measures_gallery
+import instruments_gallery
 import talcum
-from measures_gallery import DOCS, DRAWN, RUNS, Run
+from instruments_gallery import DOCS, DRAWN, RUNS, Run
 from PIL import Image
 from talcum_results import ResultsError
 
@@ -17,8 +17,8 @@ LARGEST = 150_000
 """Bytes of a figure: the book and the repository stay small."""
 
 
-class MeasuresGallery(unittest.TestCase):
-    """The figures of the measures."""
+class InstrumentsGallery(unittest.TestCase):
+    """The figures of instruments and analyses."""
 
     def test_every_figure_stands_in_the_book(self) -> None:
         pages = "".join(page.read_text(encoding="utf-8") for page in DOCS.glob("*.md"))
@@ -39,11 +39,11 @@ class MeasuresGallery(unittest.TestCase):
     def test_every_run_is_drawn(self) -> None:
         self.assertEqual({name for drawn in DRAWN.values() for name in drawn.runs}, set(RUNS))
         with self.assertRaisesRegex(ResultsError, "bed: there is no such run: vibrated, ledger"):
-            measures_gallery.main(["bed"])
+            instruments_gallery.main(["bed"])
 
     def test_a_run_is_made_and_drawn(self) -> None:
-        with tempfile.TemporaryDirectory() as folder, mock.patch.object(measures_gallery, "DOCS", Path(folder)):
-            measures_gallery.main(["ledger", "--results", folder])
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(instruments_gallery, "DOCS", Path(folder)):
+            instruments_gallery.main(["ledger", "--results", folder])
             with Image.open(Path(folder) / "energy-ledger.png") as drawn:
                 self.assertGreater(len(drawn.convert("RGB").getcolors(1 << 24)), 20)
 

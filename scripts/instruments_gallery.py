@@ -1,8 +1,8 @@
-"""Makes the runs for the figures of docs/measures.md, analyse.md, files.md and study.md, and draws the figures.
+"""Makes the runs for the figures of docs/instruments.md, analyse.md, files.md and study.md, and draws the figures.
 
-    scripts/measures_gallery.py                  all runs, one after another: some ten minutes
-    scripts/measures_gallery.py vibrated heap    only these runs and their figures
-    scripts/measures_gallery.py --draw-only      only the figures, from earlier runs
+    scripts/instruments_gallery.py                  all runs, one after another: some ten minutes
+    scripts/instruments_gallery.py vibrated heap    only these runs and their figures
+    scripts/instruments_gallery.py --draw-only      only the figures, from earlier runs
 
 Each run is a case of the repository with other values for some keys, as with `talcum run CASE --set KEY=VALUE`.
 """
@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 sys.path.insert(0, str(ROOT / "python"))
 
-import measures_figures as figures
+import instruments_figures as figures
 import minimum_fluidisation
 import talcum
 from matplotlib.figure import Figure
@@ -63,7 +63,7 @@ class FirstStudy:
         talcum.run_study(folder / "study.toml", output=folder)
 
 
-def measure(name: str, **values: Any) -> dict[str, Any]:
+def instrument(name: str, **values: Any) -> dict[str, Any]:
     """The keys of a `[measure.NAME]`."""
     return {f"measure.{name}.{key}": value for key, value in values.items()}
 
@@ -72,27 +72,27 @@ def measure(name: str, **values: Any) -> dict[str, Any]:
 SHAKEN = {"vibration.frequency": 0.2, "gas.stokes_number": 500.0}
 RUNS: dict[str, Run | FirstStudy] = {
     "vibrated": Run(
-        "measures/vibrated.toml",
+        "instruments/vibrated.toml",
         SHAKEN
         | {"particles.count": 800, "time.end": 150.0, "output.series": 0.05}
-        | measure("cycle", start=25.0, cycles=24)
-        | measure("stress", start=25.0, average=25.0, frame="phase", phases=8)
-        | measure("coordination", average=0.5)
-        | measure("spread", kind="mixing", every=0.1, start=25.0, window=10.0, about="mean"),
+        | instrument("cycle", start=25.0, cycles=24)
+        | instrument("stress", start=25.0, average=25.0, frame="phase", phases=8)
+        | instrument("coordination", average=0.5)
+        | instrument("spread", kind="mixing", every=0.1, start=25.0, window=10.0, about="mean"),
     ),
-    "ledger": Run("measures/vibrated.toml", SHAKEN | {"time.end": 10.0, "output.energy": 0.05}),
+    "ledger": Run("instruments/vibrated.toml", SHAKEN | {"time.end": 10.0, "output.energy": 0.05}),
     "heap": Run(
         "gallery/heap.toml",
-        measure("network", kind="contacts", every=0.1)
-        | measure("stress", kind="stress", every=0.01, start=1.0, average=0.2, cells=[30, 1, 15]),
+        instrument("network", kind="contacts", every=0.1)
+        | instrument("stress", kind="stress", every=0.01, start=1.0, average=0.2, cells=[30, 1, 15]),
     ),
     "bubbling-bed": Run(
         "gallery/bubbling-bed.toml",
         {"stage.fluidise.duration": 4.0, "output.gas": 0.01}
-        | measure("mixing", kind="mixing", every=0.005, start=0.65, window=0.5, tracers="region", lower_corner=[0.0, 0.0, 0.0],
+        | instrument("mixing", kind="mixing", every=0.005, start=0.65, window=0.5, tracers="region", lower_corner=[0.0, 0.0, 0.0],
                   upper_corner=[0.06, 0.0045, 0.018], cells=[12, 1, 12])
-        | measure("point", kind="probe", every=0.002, at="point", point=[0.03, 0.00225, 0.02], radius=0.004)
-        | measure("average", kind="time_average", every=0.005, start=0.65, average=3.5),
+        | instrument("point", kind="probe", every=0.002, at="point", point=[0.03, 0.00225, 0.02], radius=0.004)
+        | instrument("average", kind="time_average", every=0.005, start=0.65, average=3.5),
     ),
     "agglomerates": Run("gallery/agglomerates.toml", {}),
     "ramp": Run(
@@ -146,7 +146,7 @@ def main(words: list[str] | None = None) -> None:
     """Runs and draws."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", help=f"which runs: {', '.join(RUNS)} (default: all)")
-    parser.add_argument("--results", type=Path, default=ROOT / "results/measures", metavar="FOLDER", help="the folder in which they are run")
+    parser.add_argument("--results", type=Path, default=ROOT / "results/instruments", metavar="FOLDER", help="the folder in which they are run")
     parser.add_argument("--draw-only", action="store_true", help="draw the results of earlier runs")
     arguments = parser.parse_args(words)
     names = arguments.names or list(RUNS)

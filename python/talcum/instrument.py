@@ -1,4 +1,4 @@
-"""The results of a `[measure.NAME]` of a case: tables of numbers over time."""
+"""The results of an instrument, a `[measure.NAME]` of a case: tables of numbers over time."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .tables import ResultsError, Table
 
 
 @dataclass
-class Measure:
-    """The tables of one measure by their names, including `results`, and its `constants`."""
+class Instrument:
+    """The tables of one instrument by their names, including `results`, and its `constants`."""
 
     name: str
     kind: str
@@ -35,15 +35,15 @@ class Measure:
         return [name for name in str(self.attributes.get("scalars", "")).split(",") if name]
 
 
-def read_measure(file: Path) -> Measure:
+def read_instrument(file: Path) -> Instrument:
     """Reads a measure-NAME.h5; rows that are not complete yet are left out."""
 
-    def take(contents: Any) -> Measure:
+    def take(contents: Any) -> Instrument:
         found = attributes(contents)
         tables = {name: complete_rows(file, item) for name, item in contents.items() if isinstance(item, h5py.Group)}
         fixed = {name: item for name, item in contents.items() if isinstance(item, h5py.Dataset)}
         name = str(found.get("measure", file.stem.removeprefix("measure-")))
-        return Measure(name, str(found["kind"]), tables, table_of(file, fixed, None), found)
+        return Instrument(name, str(found["kind"]), tables, table_of(file, fixed, None), found)
 
     return read_hdf5(file, take)
 
@@ -55,5 +55,5 @@ def complete_rows(file: Path, group: Any) -> Table:
 
 
 def read_kind(file: Path) -> str:
-    """The kind of a measure."""
+    """The kind of an instrument."""
     return read_hdf5(file, lambda contents: str(attributes(contents)["kind"]))

@@ -30,7 +30,7 @@ KINDS = {
 
 
 def section(name: str, interval: int) -> str:
-    """One measure that samples every so many steps."""
+    """One instrument that samples every so many steps."""
     every = interval * TIME_STEP
     # Each of the 25 bins of a phase has a sample.
     keys = KINDS[name].format(row=PER_ROW * every, frequency=1.0 / (40.0 * every))
@@ -38,29 +38,29 @@ def section(name: str, interval: int) -> str:
 
 
 def case_with(names: list[str], interval: int) -> str:
-    """The settled bed with these measures."""
+    """The settled bed with these instruments."""
     box = box_lengths((CASES / "bed-24000.toml").read_text("utf-8"))
     start = f'kind = "run"\npath = "states/{STATE}.h5"'
-    bed = case_text("What measures cost", box, start, end=LOOKS * interval * TIME_STEP)
+    bed = case_text("What instruments cost", box, start, end=LOOKS * interval * TIME_STEP)
     return bed + "".join(section(name, interval) for name in names)
 
 
 def run_with(names: list[str], interval: int, first: bool) -> Measured:
-    """One run with these measures."""
-    case, output = RESULTS / "measures.toml", RESULTS / "measures"
+    """One run with these instruments."""
+    case, output = RESULTS / "instruments.toml", RESULTS / "instruments"
     case.write_text(case_with(names, interval), encoding="utf-8")
     command = [str(PROGRAM), "run", str(case), "--output", str(output), "--force"]
     return measured(read_talcum, on_cores(command, 1, first), 1, output)
 
 
 def share(run: Measured) -> float:
-    """Time of the measures over that of the steps, as the run itself clocks it; what it writes at its end left out."""
-    measuring, writing = (run.stages.get(name, 0.0) for name in ("measures", "output"))
-    return measuring / (1.0 - measuring - writing)
+    """Time of the instruments over that of the steps, as the run itself clocks it; what it writes at its end left out."""
+    sampling, writing = (run.stages.get(name, 0.0) for name in ("instruments", "output"))
+    return sampling / (1.0 - sampling - writing)
 
 
-def measures(rounds: int, first: bool) -> str:
-    """A table of shares, and how much slower runs with all measures are than runs without, in pairs."""
+def instruments(rounds: int, first: bool) -> str:
+    """A table of shares, and how much slower runs with all instruments are than runs without, in pairs."""
     state(STATE, execute, PROGRAM)
     everything = list(KINDS)
     shares: dict[tuple[str, int], list[float]] = {}
