@@ -10,9 +10,9 @@
 use std::path::Path;
 use talcum::contact::{ContactExchange, FrictionCap, LinearSpringDashpot, TouchingParticles};
 use talcum::domain::{Face, RankGrid};
-use talcum::fields::{Field, Kind, Unit};
+use talcum::fields::{Column, Field, Kind, Unit};
 use talcum::output::checkpoint::{self, Checkpoint};
-use talcum::output::{Head, ParticleSnapshots, PointColumn, Provenance, SnapshotFormat};
+use talcum::output::{Head, ParticleSnapshots, Provenance, SnapshotFormat};
 use talcum::parallel::{Communicator, MpiRanks, ParticleRecord};
 use talcum::particles::Body;
 use talcum::setup::{Layers, Run, Setup, Snapshot};
@@ -117,10 +117,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let provenance = Provenance::here_and_now("heat", "dimensionless", &ranks);
     let head = Head { case_text: "", provenance: &provenance };
     let field = Conduction { conductivity: 20.0, heat_capacity: 1.0 }.field();
-    let format = SnapshotFormat {
-        columns: vec![PointColumn::of_field(&field)],
-        ..SnapshotFormat::default()
-    };
+    let format =
+        SnapshotFormat { columns: vec![Column::of_field(&field)], ..SnapshotFormat::default() };
     let path = Path::new(&folder).join("particles.vtkhdf");
     let mut snapshots = ParticleSnapshots::open(&path, &format, head, None, &ranks)?;
 

@@ -445,7 +445,7 @@ class TestFiles(ScriptTest):
             ("output.energy", lambda: bed.energy),
             ("output.profiles", lambda: bed.profiles),
             ("output.particles", lambda: bed.times),
-            (r"\[measure.x\]", lambda: bed.measure("x")),
+            (r"\[measure.x\]", lambda: bed.instrument("x")),
             ('kind = "agglomerates"', lambda: bed.agglomerates()),
             ("checkpoint", lambda: bed.digest),
             ("checkpoint", lambda: bed.contacts()),

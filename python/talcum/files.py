@@ -14,7 +14,7 @@ from talcum_results import NUMBERS, text_of
 from .tables import Array, ResultsError
 
 T = TypeVar("T")
-ATTEMPTS, PAUSE = 5, 0.2  # a run writes for some milliseconds, and seldom
+ATTEMPTS, PAUSE = 5, 0.2  # a run seldom writes, and for a few milliseconds
 # What h5py and numpy raise where a file cannot be read, lacks something, or holds it in another shape or kind.
 UNREADABLE = (OSError, RuntimeError, LookupError, TypeError, ValueError, AttributeError)
 

@@ -27,16 +27,16 @@ pub(crate) const OPEN: [Face; 2] = [Face::Open; 2];
 /// A plate below, nothing above.
 pub(crate) const PLATE: [Face; 2] = [Face::Wall, Face::Open];
 
-/// All that a test chooses before a run.
+/// Everything that a test chooses before a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Bench {
     pub(crate) domain: Domain,
     pub(crate) contact: LinearSpringDashpot,
-    /// What holds between particles instead of `contact`.
+    /// The contact model between particles, instead of `contact`.
     pub(crate) interface: Option<ContactModel>,
-    /// What holds at the walls, by their numbers; walls beyond are like particles.
+    /// The contact models at the walls, by their numbers; further walls have that of the particles.
     pub(crate) at_walls: Vec<ContactModel>,
-    /// What holds between particles of several species and at walls, instead of all of these and of `cohesion`.
+    /// Contact models and attraction of several species, instead of all of these and of `cohesion`.
     pub(crate) mixture: Option<Mixture>,
     pub(crate) cohesion: Option<VanDerWaals>,
     pub(crate) gas: Option<ColumnGas>,
@@ -44,16 +44,16 @@ pub(crate) struct Bench {
     pub(crate) volume_averaged: Option<VolumeAveragedModel>,
     pub(crate) gravity: EffectiveGravity,
     pub(crate) time_step: f64,
-    /// Of the neighbour lists; chosen from the speeds if none.
+    /// Skin of the neighbour lists; it follows from the speeds if none is given.
     pub(crate) skin: Option<f64>,
     pub(crate) balance: Option<Balance>,
-    /// The largest force, where a closed form asks for overlaps beyond those of a real case.
+    /// The largest force, if a closed form needs larger overlaps than a real case.
     pub(crate) force_limit: Option<f64>,
     pub(crate) density: f64,
     pub(crate) particles: Vec<ParticleRecord>,
 }
 
-/// What several species do to each other and at walls.
+/// Contact models and attraction between several species and at walls.
 #[derive(Clone, Debug)]
 pub(crate) struct Mixture {
     pub(crate) contact: ByPair<ContactModel>,
@@ -107,7 +107,7 @@ pub(crate) fn shaken(relative_acceleration: f64, frequency: f64) -> EffectiveGra
     EffectiveGravity { magnitude: 1.0, vibration: Some(vibration) }
 }
 
-/// From one centre to another's nearest image.
+/// The vector from one centre to the nearest image of another.
 pub(crate) fn branch(
     bounds: &Bounds,
     one: &ParticleRecord,
@@ -211,7 +211,7 @@ impl Bench {
         Physics { contact, at_walls, cohesion, exchanges, gas, gravity, time_step }
     }
 
-    /// The same for the library.
+    /// The setup of this bed in the library.
     pub(crate) fn setup(&self) -> Setup {
         let setup = Setup::in_domain(self.domain.clone(), self.physics())
             .particles(self.particles.iter().copied())
@@ -233,7 +233,7 @@ impl Bench {
         grid: RankGrid,
         ranks: &'a dyn Communicator,
     ) -> Run<'a> {
-        Run(self.setup().resume(end, grid, ranks).expect("the test's bed can go on"))
+        Run(self.setup().resume(end, grid, ranks).expect("the test's bed can continue"))
     }
 
     /// The run on one rank.
@@ -241,7 +241,7 @@ impl Bench {
         self.start(RankGrid([1, 1, 1]), &OneRank)
     }
 
-    /// Does `work` with the run on a grid of thread ranks; what rank 0 made of it.
+    /// Does `work` with the run on a grid of thread ranks; returns the result of rank 0.
     pub(crate) fn on_ranks<T: Send>(
         &self,
         grid: [usize; 3],
@@ -276,7 +276,7 @@ impl Run<'_> {
     }
 
     pub(crate) fn steps(&mut self, count: u64) -> &mut Self {
-        self.0.steps(count).expect("the test's bed can go on");
+        self.0.steps(count).expect("the test's bed can continue");
         self
     }
 
@@ -298,7 +298,7 @@ impl Run<'_> {
     }
 }
 
-/// A measure that passes on what it sees of a run, with the numbers of the series and the forces of single contacts.
+/// An instrument that passes on its view of a run, with the numbers of the series and the forces of single contacts.
 pub(crate) struct Reading<F>(pub(crate) F);
 
 impl<F: FnMut(&View<'_>)> Instrument for Reading<F> {

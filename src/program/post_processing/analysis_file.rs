@@ -2,7 +2,8 @@
 
 use super::{Analysis, Findings, Results, Scalar, TimeWindow, Value, full_name};
 use std::path::Path;
-use talcum_results::output::{Cells, Column, OutputError, ResultTable, commit};
+use talcum_engine::fields::Column;
+use talcum_results::output::{Cells, OutputError, ResultTable, commit};
 
 /// Writes `analysis.h5`: the table `/scalars` with all numbers and texts, and the tables of each analysis in a group
 /// with its name. The root contains the provenance and the hash of all tables, which is returned.

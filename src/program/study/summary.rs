@@ -9,8 +9,9 @@ use anyhow::{Context, bail};
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use talcum_engine::fields::Column;
 use talcum_results::output::readers::SeriesTable;
-use talcum_results::output::{Cells, Column, ResultTable, print, read_text};
+use talcum_results::output::{Cells, ResultTable, TableColumn, print, read_text};
 
 /// Options of `talcum summary`.
 #[derive(Clone, Debug, Args)]
@@ -175,7 +176,7 @@ impl<'o> Summary<'o> {
         ));
         for (index, (name, unit)) in self.columns.iter().enumerate() {
             let values = self.values.iter().map(|row| row[index]).collect();
-            columns.push(with_unit(name, unit, values));
+            columns.push(Column::numbers(name, unit, "of the run", values));
         }
         ResultTable { provenance: self.provenance(), ..ResultTable::new("runs", columns) }
     }
@@ -196,7 +197,7 @@ impl<'o> Summary<'o> {
             }
         }
         let first: Vec<usize> = groups.iter().map(|group| group[0]).collect();
-        let mut columns: Vec<Column> =
+        let mut columns: Vec<TableColumn> =
             keys.iter().map(|key| self.key_column(key, &first)).collect();
         let counts = groups.iter().map(|group| group.len() as u64).collect();
         columns.push(Column::new("runs", "runs of the point", Cells::Whole(counts)));
@@ -212,18 +213,18 @@ impl<'o> Summary<'o> {
         index: usize,
         name: &str,
         unit: &str,
-    ) -> Vec<Column> {
+    ) -> Vec<TableColumn> {
         let given = |group: &Vec<usize>| -> Vec<f64> {
             let values = group.iter().map(|&run| self.values[run][index]);
             values.filter(|value| !value.is_nan()).collect()
         };
         let given: Vec<Vec<f64>> = groups.iter().map(given).collect();
-        let of_points = OfPoints { name, unit: Some(unit), given: &given };
+        let of_points = OfPoints { name, unit, given: &given };
         let may_be_nothing = self.options.quantities.iter().any(|quantity| quantity == name);
         of_points.columns(may_be_nothing, self.options.confidence)
     }
 
-    fn key_column(&self, key: &String, runs: &[usize]) -> Column {
+    fn key_column(&self, key: &String, runs: &[usize]) -> TableColumn {
         let value = |&run: &usize| self.runs[run].keys.get(key).cloned().unwrap_or_default();
         let cells = Cells::of_values(runs.iter().map(value).collect());
         Column::new(&short_name(key, &self.keys), &format!("{key} of the case"), cells)
@@ -254,10 +255,6 @@ fn value_of(series: &SeriesTable, column: &str, reduction: &Reduction) -> Result
         Value::Number(value) => Ok(value),
         Value::Text(_) | Value::Nothing(_) => Ok(f64::NAN),
     }
-}
-
-fn with_unit(name: &str, unit: &str, values: Vec<f64>) -> Column {
-    Column::numbers(name, unit, "of the run", values)
 }
 
 /// The requested columns, which all runs must have, with their units.

@@ -6,14 +6,8 @@ use super::{BedProfile, MomentumProbe, RunView};
 use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 
-/// A column of the series, and its value in a row.
-#[derive(Clone, Debug)]
-pub struct SeriesColumn {
-    /// What it is.
-    pub column: Column,
-    /// Its value in a row.
-    pub value: fn(&SeriesRow) -> f64,
-}
+/// A column of the series; its `values` take the number from a row.
+pub type SeriesColumn = Column<fn(&SeriesRow) -> f64>;
 
 /// Defines [`SeriesRow`], its columns, and their computation from an [`Observation`], by one entry for each number.
 macro_rules! series_columns {
@@ -26,10 +20,13 @@ macro_rules! series_columns {
 
         impl SeriesRow {
             /// All numbers, in the order of the file.
-            pub const COLUMNS: &[SeriesColumn] = &[$(SeriesColumn {
-                column: Column::scalar(stringify!($name), Unit::$unit, concat!($($meaning),*).trim_ascii()),
-                value: |row| row.$name,
-            },)*];
+            pub const COLUMNS: &[SeriesColumn] = &[$(Column::with(
+                stringify!($name),
+                Unit::$unit,
+                &[],
+                concat!($($meaning),*).trim_ascii(),
+                |row| row.$name,
+            ),)*];
 
             fn of(observation: &Observation) -> Self {
                 $(let $name: fn(&Observation) -> f64 = $formula;)*

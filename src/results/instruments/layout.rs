@@ -6,7 +6,7 @@ use talcum_engine::fields::Column;
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Arrays that do not change, such as the heights of a profile.
-    pub fixed: Vec<Fixed>,
+    pub fixed: Vec<Column<Vec<f64>>>,
     /// Tables that grow with time. The first is called `results`: it has a row for each result.
     pub tables: Vec<Table>,
     /// Fields on cells for ParaView, if there are any.
@@ -21,15 +21,6 @@ impl Layout {
         let results = self.tables.first().map(|table| table.columns.as_slice());
         results.unwrap_or_default().iter().filter(|column| column.shape.is_empty())
     }
-}
-
-/// An array that does not change.
-#[derive(Clone, Debug)]
-pub struct Fixed {
-    /// Name, shape and meaning.
-    pub column: Column,
-    /// The values.
-    pub values: Vec<f64>,
 }
 
 /// A table that grows with time: a group of datasets with equally many rows. The first one, `time`, is in every table

@@ -29,7 +29,7 @@ mod stress;
 mod time_average;
 
 pub use instrument::{CellValues, ContactLine, Instrument, Needs, Readings, Setting};
-pub use layout::{Fixed, Image, Layout, Rows, Table};
+pub use layout::{Image, Layout, Rows, Table};
 pub use plan::{InstrumentPlan, table_file_name};
 pub use registered::{InstrumentValues, RegisteredInstrument};
 pub use stored::{InstrumentState, Stored, StoredTable, WIDEST};

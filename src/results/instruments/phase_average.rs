@@ -3,7 +3,7 @@
 //!
 //! Formula: [`analysis::phase_average`](crate::analysis::phase_average), over one block of cycles after another.
 
-use super::layout::{Fixed, Layout, Rows, Table};
+use super::layout::{Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
@@ -178,7 +178,7 @@ impl Instrument for Block {
         let phase = Column::scalar("phase", Unit::One, "middle of each bin, part of a cycle");
         let values = (0..bins).map(|bin| bin as f64 / bins as f64).collect();
         let tables = vec![Table { name: "results", columns }];
-        Layout { fixed: vec![Fixed { column: phase, values }], tables, ..Layout::default() }
+        Layout { fixed: vec![phase.holding(values)], tables, ..Layout::default() }
     }
 
     fn needs(&self) -> Needs {

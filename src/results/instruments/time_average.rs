@@ -6,7 +6,7 @@
 
 use super::average::{AVERAGE, Average, looks_per_row};
 use super::cell_sums::CellSums;
-use super::layout::{Fixed, Image, Layout, Rows, Table};
+use super::layout::{Image, Layout, Rows, Table};
 use super::registered::{InstrumentValues, RegisteredInstrument};
 use super::stored::Stored;
 use super::view::View;
@@ -110,7 +110,7 @@ impl Instrument for OverHeight {
             |(name, unit, meaning)| Column::array(name, nodes, unit, meaning).along(&["height"]);
         let columns = head().into_iter().chain(described.map(array)).collect();
         let heights = Column::scalar("height", Unit::Length, "heights of the grid's nodes");
-        let fixed = vec![Fixed { column: heights, values: self.heights.clone() }];
+        let fixed = vec![heights.holding(self.heights.clone())];
         let tables = vec![Table { name: "results", columns }];
         Layout { fixed, tables, ..Layout::default() }
     }

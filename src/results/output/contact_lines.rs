@@ -6,7 +6,8 @@ use std::slice::from_ref;
 
 use super::hdf5_file::SharedFile;
 use super::vtkhdf::{
-    Added, Dataset, Drawn, FileTable, FileType, Fill, Numbers, PolyData, RecordColumn, Term, Writer,
+    Added, Dataset, Drawn, FileTable, FileType, Fill, Numbers, PolyData, RecordColumn, Term,
+    Writer, numbers_in,
 };
 use super::{ColumnUnits, Head, OutputError, SnapshotStorage};
 use crate::instruments::ContactLine;
@@ -14,42 +15,37 @@ use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::{Communicator, SortedRows, sort_by_id};
 
 static NUMBERS: [RecordColumn<ContactLine>; 5] = [
-    RecordColumn {
-        column: Column::scalar(
-            "CellData/normal_force",
-            Unit::Force,
-            "normal force without van der Waals attraction, positive if it pushes the two apart",
-        ),
-        of: |line| from_ref(&line.normal_force),
-    },
-    RecordColumn {
-        column: Column::scalar(
-            "CellData/cohesive_force",
-            Unit::Force,
-            "magnitude of the van der Waals attraction",
-        ),
-        of: |line| from_ref(&line.cohesive_force),
-    },
-    RecordColumn {
-        column: Column::vector(
-            "CellData/tangential_force",
-            Unit::Force,
-            "tangential force on the higher id",
-        ),
-        of: |line| &line.tangential_force,
-    },
-    RecordColumn {
-        column: Column::scalar("CellData/overlap", Unit::Length, "overlap of the surfaces"),
-        of: |line| from_ref(&line.overlap),
-    },
-    RecordColumn {
-        column: Column::scalar(
-            "CellData/age",
-            Unit::Time,
-            "time since the first of the samples at all of which the two have touched",
-        ),
-        of: |line| from_ref(&line.age),
-    },
+    Column::with(
+        "CellData/normal_force",
+        Unit::Force,
+        &[],
+        "normal force without van der Waals attraction, positive if it pushes the two apart",
+        |line| from_ref(&line.normal_force),
+    ),
+    Column::with(
+        "CellData/cohesive_force",
+        Unit::Force,
+        &[],
+        "magnitude of the van der Waals attraction",
+        |line| from_ref(&line.cohesive_force),
+    ),
+    Column::with(
+        "CellData/tangential_force",
+        Unit::Force,
+        &[3],
+        "tangential force on the higher id",
+        |line| &line.tangential_force,
+    ),
+    Column::with("CellData/overlap", Unit::Length, &[], "overlap of the surfaces", |line| {
+        from_ref(&line.overlap)
+    }),
+    Column::with(
+        "CellData/age",
+        Unit::Time,
+        &[],
+        "time since the first of the samples at all of which the two have touched",
+        |line| from_ref(&line.age),
+    ),
 ];
 
 /// The file of lines.
@@ -106,7 +102,7 @@ fn write_lines(
     let higher: Vec<i64> = rows.iter().map(|line| line.higher as i64).collect();
     file.write_rows("/VTKHDF/CellData/higher", first, &higher)?;
     NUMBERS.iter().try_for_each(|column| {
-        file.write_rows(&format!("/VTKHDF/{}", column.column.name), first, &column.of_all(rows))
+        file.write_rows(&format!("/VTKHDF/{}", column.name), first, &numbers_in(column, rows))
     })
 }
 
@@ -120,7 +116,8 @@ fn table(units: ColumnUnits) -> FileTable {
     let (data, description) = ("CellData", "index of VTKHDF, for each time");
     let id = "global id of a particle of the pair";
     let mut datasets = vec![whole("CellData/lower", id), whole("CellData/higher", id)];
-    datasets.extend(NUMBERS.iter().map(|column| column.dataset(units)));
+    let numbers = |column| Dataset::of_column("", column, Numbers::Real, units);
+    datasets.extend(NUMBERS.iter().map(numbers));
     let index = PolyData {
         drawn: Drawn {
             kind: "Lines",

@@ -5,45 +5,41 @@
 use std::path::Path;
 use std::slice::from_ref;
 
-use super::vtkhdf::{ImageCells, RecordColumn, Writer, image_table};
+use super::vtkhdf::{Dataset, ImageCells, Numbers, RecordColumn, Writer, image_table, numbers_in};
 use super::{Head, Output, OutputError, OutputKind, Sample, SnapshotStorage};
 use talcum_engine::fields::{Column, Unit};
 use talcum_engine::grid::BoxGrid;
 use talcum_engine::parallel::{CellSample, Communicator, records_of_bytes, sort_by_id};
 
 static FIELDS: [RecordColumn<CellSample>; 4] = [
-    RecordColumn {
-        column: Column::scalar(
-            "CellData/pressure",
-            Unit::Pressure,
-            "pressure of the gas less its hydrostatic head",
-        ),
-        of: |cell| from_ref(&cell.pressure),
-    },
-    RecordColumn {
-        column: Column::vector(
-            "CellData/velocity",
-            Unit::Speed,
-            "velocity of the gas between the particles, mean of a cell's faces",
-        ),
-        of: |cell| &cell.velocity,
-    },
-    RecordColumn {
-        column: Column::scalar(
-            "CellData/voidage",
-            Unit::One,
-            "volume of gas per open volume; 0 in cells outside of a round column",
-        ),
-        of: |cell| from_ref(&cell.voidage),
-    },
-    RecordColumn {
-        column: Column::vector(
-            "CellData/solids_velocity",
-            Unit::Speed,
-            "mean velocity of the solids by volume; 0 where there are none",
-        ),
-        of: |cell| &cell.solids_velocity,
-    },
+    Column::with(
+        "CellData/pressure",
+        Unit::Pressure,
+        &[],
+        "pressure of the gas less its hydrostatic head",
+        |cell| from_ref(&cell.pressure),
+    ),
+    Column::with(
+        "CellData/velocity",
+        Unit::Speed,
+        &[3],
+        "velocity of the gas between the particles, mean of a cell's faces",
+        |cell| &cell.velocity,
+    ),
+    Column::with(
+        "CellData/voidage",
+        Unit::One,
+        &[],
+        "volume of gas per open volume; 0 in cells outside of a round column",
+        |cell| from_ref(&cell.voidage),
+    ),
+    Column::with(
+        "CellData/solids_velocity",
+        Unit::Speed,
+        &[3],
+        "mean velocity of the solids by volume; 0 where there are none",
+        |cell| &cell.solids_velocity,
+    ),
 ];
 
 /// The file of snapshots of the gas. Its records contain pressure, velocity of the gas, voidage and velocity of the
@@ -64,8 +60,8 @@ impl GasSnapshots {
         },
     };
 
-    /// Begins a file, in the place of one that is there; or continues it as it was last committed, after the snapshots up to
-    /// and including a time; later ones are dropped. A file that cannot be read is set aside with a warning, and a new one
+    /// Begins a file, replacing any existing one; or continues a file in its last committed state, after the snapshots up to
+    /// and including a time; later ones are dropped. A file that cannot be read is set aside with a warning, and a new one is
     /// begun. Collective.
     ///
     /// # Errors
@@ -80,7 +76,7 @@ impl GasSnapshots {
         let (spacing, counts) = (grid.spacing().into(), grid.counts());
         let cells = ImageCells { origin: [0.0; 3], spacing, counts };
         let units = head.units();
-        let fields = FIELDS.iter().map(|field| field.dataset(units));
+        let fields = FIELDS.iter().map(|field| Dataset::of_column("", field, Numbers::Real, units));
         let table = image_table(cells, fields, storage, units);
         Writer::open(path, table, head, continue_after, ranks).map(Self)
     }
@@ -99,7 +95,7 @@ impl GasSnapshots {
         let bytes =
             ranks.gather_to_root(bytemuck::cast_slice(&sorted)).unwrap_or_default().concat();
         let all: Vec<CellSample> = records_of_bytes(&bytes).collect();
-        let rows = FIELDS.iter().map(|field| (field.column.name, field.of_all(&all)));
+        let rows = FIELDS.iter().map(|field| (&*field.name, numbers_in(field, &all)));
         self.0.append_on_root(time, ranks, rows)
     }
 }

@@ -7,11 +7,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::hdf5_file::{ScaledTable, SerialFile};
+use super::hdf5_file::SerialFile;
 use super::output_file::{Obstacle, continue_or_create, shared_rows_up_to};
-use super::table::{Rows, TableHead};
-use super::{ColumnUnits, Head, MessageResult, OutputError, metadata_copy, on_root};
-use crate::instruments::{self, Fixed, InstrumentPlan, Layout, Table};
+use super::table::{Rows, TableHead, over_time};
+use super::{Head, MessageResult, OutputError, metadata_copy, on_root};
+use crate::instruments::{self, InstrumentPlan, Layout, Table};
 use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 
@@ -30,17 +30,6 @@ pub(super) struct InstrumentFile {
     written: Instant,
 }
 
-/// A number that an instrument gives repeatedly: a column of its table `results`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ResultColumn {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// Its values in the order of time.
-    pub values: Vec<f64>,
-}
-
 /// The scalar results in the file of an instrument.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InstrumentResults {
@@ -48,8 +37,8 @@ pub struct InstrumentResults {
     pub kind: String,
     /// Times of the rows.
     pub times: Vec<f64>,
-    /// The columns, in the order of the file.
-    pub columns: Vec<ResultColumn>,
+    /// The columns in the order of the file, each with its values in the order of time.
+    pub columns: Vec<Column<Vec<f64>, String>>,
 }
 
 impl InstrumentResults {
@@ -76,7 +65,8 @@ fn read_results(path: &Path) -> MessageResult<InstrumentResults> {
         let path = format!("/results/{name}");
         let mut values: Vec<f64> = file.read(&path)?;
         values.truncate(times.len());
-        columns.push(ResultColumn { name: name.to_owned(), unit: file.unit(&path)?, values });
+        let [unit, meaning] = [file.unit(&path)?, file.description(&path)?];
+        columns.push(Column::numbers(name, &unit, &meaning, values));
     }
     let results = InstrumentResults { kind: file.text("/", "kind")?, times, columns };
     file.close()?;
@@ -151,7 +141,7 @@ impl InstrumentFile {
             for (place, column) in table.columns.iter().enumerate() {
                 let values: Vec<f64> =
                     rows.iter().flat_map(|(_, rows)| &rows.values[place]).copied().collect();
-                file.append(&path_of(table, column.name), &values)?;
+                file.append(&path_of(table, &column.name), &values)?;
             }
             let times = rows.iter().flat_map(|(time, rows)| std::iter::repeat_n(*time, rows.count));
             file.append(&path_of(table, "time"), &times.collect::<Vec<f64>>())?;
@@ -167,7 +157,7 @@ fn path_of(table: &Table, column: &str) -> String {
 /// Paths of the datasets that grow, except for the times, which are copied at checkpoints.
 fn bulk(tables: &[Table]) -> Vec<String> {
     let of_table =
-        |table: &Table| table.columns.iter().map(|column| path_of(table, column.name)).collect();
+        |table: &Table| table.columns.iter().map(|column| path_of(table, &column.name)).collect();
     tables.iter().flat_map::<Vec<String>, _>(of_table).collect()
 }
 
@@ -181,7 +171,7 @@ fn make(path: &Path, plan: &InstrumentPlan, layout: &Layout, head: Head<'_>) -> 
     for (name, entry) in head.provenance.entries() {
         file.set_text("/", name, &entry)?;
     }
-    let scalars: Vec<&str> = layout.scalars().map(|column| column.name).collect();
+    let scalars: Vec<&str> = layout.scalars().map(|column| &*column.name).collect();
     let described = [
         ("case", head.case_text),
         ("measure", &plan.name),
@@ -191,42 +181,29 @@ fn make(path: &Path, plan: &InstrumentPlan, layout: &Layout, head: Head<'_>) -> 
     ];
     described.iter().try_for_each(|(name, text)| file.set_text("/", name, text))?;
     let units = head.units();
-    for Fixed { column, values } in &layout.fixed {
+    for column in &layout.fixed {
         let path = format!("/{}", column.name);
-        let rows = (values.len() / column.width().max(1)) as u64;
-        make_column(&file, &path, column, Rows::Fixed(rows), units)?;
-        file.fill(&path, values)?;
+        let rows = (column.values.len() / column.width().max(1)) as u64;
+        let head = TableHead::of_column(&path, column, units);
+        file.make_table::<f64>(&head, Rows::Fixed(rows))?;
+        file.fill(&path, &column.values)?;
     }
     for table in &layout.tables {
         file.make_group(&format!("/{}", table.name))?;
         let time = Column::scalar("time", Unit::Time, "time of the row");
         for column in table.columns.iter().chain([&time]) {
             let piece = (PIECE / (8 * column.width().max(1))).clamp(1, 256);
-            make_column(&file, &path_of(table, column.name), column, Rows::Growing(piece), units)?;
+            let path = path_of(table, &column.name);
+            let head = TableHead::of_column(&path, column, units);
+            file.make_table::<f64>(&head, Rows::Growing(piece))?;
         }
     }
-    file.set_scales(&layout.tables.iter().flat_map(scaled_columns).collect::<Vec<_>>())?;
+    let scaled = |table: &Table| {
+        let group = format!("/{}", table.name);
+        table.columns.iter().map(|column| over_time(&group, column)).collect::<Vec<_>>()
+    };
+    file.set_scales(&layout.tables.iter().flat_map(scaled).collect::<Vec<_>>())?;
     file.close()
-}
-
-/// The columns of a table, with the datasets that contain the times of their rows and the coordinates of their arrays.
-fn scaled_columns(table: &Table) -> impl Iterator<Item = ScaledTable> {
-    table.columns.iter().map(|column| {
-        let along = column.along.iter().map(|name| format!("/{name}"));
-        let scales = std::iter::once(path_of(table, "time")).chain(along).collect();
-        (path_of(table, column.name), scales)
-    })
-}
-
-fn make_column(
-    file: &SerialFile,
-    name: &str,
-    column: &Column,
-    rows: Rows,
-    units: ColumnUnits,
-) -> MessageResult<()> {
-    let (unit, description) = (units.of(column.unit), column.meaning);
-    file.make_blocks::<f64>(&TableHead { name, width: 1, unit, description }, &column.shape, rows)
 }
 
 /// Drops the rows after a time; returns how many are left. If none are left, the file is unchanged: a new one replaces

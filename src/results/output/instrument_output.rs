@@ -95,10 +95,8 @@ impl ImageOutput {
     ) -> Result<Self, OutputError> {
         let Image { origin, spacing, counts, .. } = image;
         let units = head.units();
-        let fields = image.fields.iter().map(|field| {
-            let (name, unit) = (format!("CellData/{}", field.name), units.of(field.unit));
-            Dataset::of_items(name, Numbers::Real, field.width(), unit, field.meaning)
-        });
+        let dataset = |field| Dataset::of_column("CellData/", field, Numbers::Real, units);
+        let fields = image.fields.iter().map(dataset);
         let cells = ImageCells { origin, spacing, counts };
         let table = image_table(cells, fields, SnapshotStorage::default(), units);
         let writer = Writer::open(path, table, head, continue_after, ranks)?;

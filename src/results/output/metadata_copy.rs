@@ -193,7 +193,8 @@ mod tests {
         file.make_group("/rows")?;
         file.set_number("/rows", "count", 0_i64)?;
         for (name, width) in tables().iter().zip(WIDTHS) {
-            let head = TableHead { name, width, unit: "1", description: "rows of a test" };
+            let shape: &[usize] = if width == 1 { &[] } else { &[width] };
+            let head = TableHead { name, shape, unit: "1", description: "rows of a test" };
             file.make_table::<f64>(&head, Rows::Growing(8))?;
         }
         file.close()

@@ -6,41 +6,42 @@ use std::slice::from_ref;
 
 use super::vtkhdf::{
     Dataset, Drawn, FileTable, FileType, Fill, Numbers, PolyData, RecordColumn, Term, Writer,
+    numbers_in,
 };
 use super::{
     ColumnUnits, Head, Output, OutputError, OutputKind, PointColumn, Sample, SnapshotFormat,
 };
-use talcum_engine::fields::{Column, Unit};
+use talcum_engine::fields::{Column, Kind, Unit};
 use talcum_engine::parallel::{
     Communicator, ParticleRecord, Records, sort_by_id, sort_numbers_by_id,
 };
 
 /// The positions, and what is always shown of each particle.
 static NUMBERS: [RecordColumn<ParticleRecord>; 4] = [
-    RecordColumn {
-        column: Column::vector(
-            "Points",
-            Unit::Length,
-            "centres, of one time after another, sorted by id",
-        ),
-        of: |particle| &particle.position,
-    },
-    RecordColumn {
-        column: Column::vector("PointData/velocity", Unit::Speed, "velocities of the centres"),
-        of: |particle| &particle.velocity,
-    },
-    RecordColumn {
-        column: Column::vector(
-            "PointData/angular_velocity",
-            Unit::AngularSpeed,
-            "angular velocities",
-        ),
-        of: |particle| &particle.angular_velocity,
-    },
-    RecordColumn {
-        column: Column::scalar("PointData/radius", Unit::Length, "radii"),
-        of: |particle| from_ref(&particle.radius),
-    },
+    Column::with(
+        "Points",
+        Unit::Length,
+        &[3],
+        "centres, of one time after another, sorted by id",
+        |particle| &particle.position,
+    ),
+    Column::with(
+        "PointData/velocity",
+        Unit::Speed,
+        &[3],
+        "velocities of the centres",
+        |particle| &particle.velocity,
+    ),
+    Column::with(
+        "PointData/angular_velocity",
+        Unit::AngularSpeed,
+        &[3],
+        "angular velocities",
+        |particle| &particle.angular_velocity,
+    ),
+    Column::with("PointData/radius", Unit::Length, &[], "radii", |particle| {
+        from_ref(&particle.radius)
+    }),
 ];
 
 /// The file of snapshots.
@@ -62,8 +63,8 @@ impl ParticleSnapshots {
         },
     };
 
-    /// Begins a file, in the place of one that is there; or continues it as it was last committed, after the snapshots up to
-    /// and including a time; later ones are dropped. A file that cannot be read is set aside with a warning, and a new one
+    /// Begins a file, replacing any existing one; or continues a file in its last committed state, after the snapshots up to
+    /// and including a time; later ones are dropped. A file that cannot be read is set aside with a warning, and a new one is
     /// begun. Collective.
     ///
     /// # Errors
@@ -102,10 +103,10 @@ impl ParticleSnapshots {
             let ids: Vec<i64> = block.rows.iter().map(|particle| particle.id as i64).collect();
             file.write_rows("/VTKHDF/PointData/id", first, &ids)?;
             for column in &NUMBERS {
-                let path = format!("/VTKHDF/{}", column.column.name);
-                file.write_rows(&path, first, &column.of_all(&block.rows))?;
+                let path = format!("/VTKHDF/{}", column.name);
+                file.write_rows(&path, first, &numbers_in(column, &block.rows))?;
             }
-            for (PointColumn { column, .. }, values) in self.format.columns.iter().zip(columns) {
+            for (column, values) in self.format.columns.iter().zip(columns) {
                 let ids = (0..particles.count()).map(|index| particles.at(index).id);
                 let sorted = sort_numbers_by_id(ids, values, column.width(), ranks);
                 file.write_rows(
@@ -137,12 +138,13 @@ impl Output for ParticleSnapshots {
 fn table(format: &SnapshotFormat, units: ColumnUnits) -> FileTable {
     let meaning = "global ids, ascending at each time";
     let ids = Dataset::of_items("PointData/id", Numbers::Whole, 1, "1", meaning);
-    let further = |PointColumn { column, is_whole }: &PointColumn| {
-        let numbers = if *is_whole { Numbers::Whole } else { Numbers::Real };
-        let (name, unit) = (format!("PointData/{}", column.name), units.of(column.unit));
-        Dataset::of_items(name, numbers, column.width(), unit, column.meaning)
+    let further = |column: &PointColumn| {
+        let is_whole = column.values == Kind::Integer;
+        let numbers = if is_whole { Numbers::Whole } else { Numbers::Real };
+        Dataset::of_column("PointData/", column, numbers, units)
     };
-    let mut datasets: Vec<Dataset> = NUMBERS.iter().map(|column| column.dataset(units)).collect();
+    let always = |column| Dataset::of_column("", column, Numbers::Real, units);
+    let mut datasets: Vec<Dataset> = NUMBERS.iter().map(always).collect();
     datasets.push(ids);
     datasets.extend(format.columns.iter().map(further));
     let (data, description) = ("PointData", "index of VTKHDF, one for each time");

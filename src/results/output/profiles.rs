@@ -5,19 +5,33 @@ use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
 use super::output_file::{Obstacle, continue_or_create, rows_up_to};
-use super::table::{Rows, TableHead};
+use super::table::{Rows, TableHead, over_time};
 use super::{
     Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
     metadata_copy, on_root,
 };
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::Communicator;
 
-/// Datasets that grow with time.
-const GROWING: [&str; 4] =
-    ["/time", "/superficial_velocity", "/solids_fraction", "/solids_velocity"];
 /// Number of rows that are stored in one chunk.
 const PIECE: usize = 64;
+
+/// The columns that grow with time, for a grid of so many nodes.
+fn columns(nodes: usize) -> [Column; 4] {
+    let over_height =
+        |name, unit, meaning| Column::array(name, &[nodes], unit, meaning).along(&["height"]);
+    [
+        Column::scalar("time", Unit::Time, "time"),
+        Column::scalar("superficial_velocity", Unit::Speed, "superficial gas velocity"),
+        over_height("solids_fraction", Unit::One, "solids volume fraction"),
+        over_height("solids_velocity", Unit::Speed, "mean solids velocity, up"),
+    ]
+}
+
+/// The paths of their datasets.
+fn growing() -> [String; 4] {
+    columns(0).map(|column| format!("/{}", column.name))
+}
 
 /// Profiles at one time.
 #[derive(Clone, Copy, Debug)]
@@ -136,7 +150,7 @@ impl Output for Profiles {
 
 /// The tables that are not copied at checkpoints: all except the times.
 fn bulk() -> Vec<String> {
-    GROWING[1..].iter().map(|&name| name.to_owned()).collect()
+    growing()[1..].to_vec()
 }
 
 fn create(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
@@ -150,29 +164,16 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
     }
     file.set_text("/", "case", head.case_text)?;
     let units = head.units();
-    let nodes = heights.len();
-    let table = |name, width, unit, description| TableHead { name, width, unit, description };
-    let description = "heights of the grid's nodes";
-    let rows = Rows::Fixed(nodes as u64);
-    file.make_table::<f64>(&table("/height", 1, units.of(Unit::Length), description), rows)?;
+    let height = Column::scalar("height", Unit::Length, "heights of the grid's nodes");
+    let rows = Rows::Fixed(heights.len() as u64);
+    file.make_table::<f64>(&TableHead::of_column("/height", &height, units), rows)?;
     file.fill("/height", heights)?;
-    let descriptions =
-        ["time", "superficial gas velocity", "solids volume fraction", "mean solids velocity, up"];
-    let column_units = [units.of(Unit::Time), units.of(Unit::Speed), "1", units.of(Unit::Speed)];
-    let widths = [1, 1, nodes, nodes];
-    for (column, name) in GROWING.into_iter().enumerate() {
-        let head = table(name, widths[column], column_units[column], descriptions[column]);
+    let columns = columns(heights.len());
+    for (path, column) in growing().iter().zip(&columns) {
+        let head = TableHead::of_column(path, column, units);
         file.make_table::<f64>(&head, Rows::Growing(PIECE))?;
     }
-    let scaled = |(table, scales): (&str, &[&str])| {
-        (table.to_owned(), scales.iter().map(|&scale| scale.to_owned()).collect())
-    };
-    let tables: [(&str, &[&str]); 3] = [
-        ("/superficial_velocity", &["/time"]),
-        ("/solids_fraction", &["/time", "/height"]),
-        ("/solids_velocity", &["/time", "/height"]),
-    ];
-    file.set_scales(&tables.map(scaled))?;
+    file.set_scales(&columns[1..].iter().map(|column| over_time("", column)).collect::<Vec<_>>())?;
     file.close()
 }
 
@@ -196,15 +197,15 @@ fn rows_to_keep(path: &Path, time: f64, heights: &[f64], found_length: u64) -> M
     }
     let times: Vec<f64> = file.read("/time")?;
     let rows = rows_up_to(&times, time)? as u64;
-    let require = |name| metadata_copy::require_rows(&file, name, rows, found_length);
-    GROWING.into_iter().try_for_each(require)?;
+    let require = |name: &String| metadata_copy::require_rows(&file, name, rows, found_length);
+    growing().iter().try_for_each(require)?;
     file.close()?;
     Ok(rows)
 }
 
 fn cut(path: &Path, rows: u64) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
-    GROWING.into_iter().try_for_each(|name| file.cut(name, rows))?;
+    growing().iter().try_for_each(|name| file.cut(name, rows))?;
     file.close()
 }
 
@@ -232,7 +233,7 @@ mod tests {
 
     fn contents(path: &Path) -> Vec<Vec<f64>> {
         let file = SerialFile::open(path).unwrap();
-        GROWING.iter().map(|name| file.read(name).unwrap()).collect()
+        growing().iter().map(|name| file.read(name).unwrap()).collect()
     }
 
     #[test]

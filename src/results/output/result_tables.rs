@@ -7,6 +7,7 @@ use super::table::{Rows, TableHead};
 use super::whole_file::make_whole;
 use super::{MessageResult, OutputError};
 use std::path::Path;
+use talcum_engine::fields::Column;
 
 /// A table with all data needed to understand it by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,21 +17,11 @@ pub struct ResultTable {
     /// Names and texts of its provenance.
     pub provenance: Vec<(String, String)>,
     /// Its columns, all of the same length.
-    pub columns: Vec<Column>,
+    pub columns: Vec<TableColumn>,
 }
 
-/// A column of a table.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Its name.
-    pub name: String,
-    /// The unit of its numbers, if they have one.
-    pub unit: Option<String>,
-    /// Its meaning.
-    pub description: String,
-    /// One cell for each row.
-    pub cells: Cells,
-}
+/// A column of a table, with one cell for each row.
+pub type TableColumn = Column<Cells, String>;
 
 /// The cells of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,23 +67,20 @@ impl Cells {
     }
 }
 
-impl Column {
-    /// A column without a unit.
-    pub fn new(name: &str, description: &str, cells: Cells) -> Self {
-        let (name, description) = (name.to_owned(), description.to_owned());
-        Self { name, unit: None, description, cells }
+impl From<Vec<f64>> for Cells {
+    fn from(numbers: Vec<f64>) -> Self {
+        Self::Number(numbers)
     }
+}
 
-    /// A column of numbers with their unit.
-    pub fn numbers(name: &str, unit: &str, description: &str, numbers: Vec<f64>) -> Self {
-        let column = Self::new(name, description, Cells::Number(numbers));
-        Self { unit: Some(unit.to_owned()), ..column }
-    }
+/// The unit of a column as it is hashed and stored: `1` if it has none.
+fn unit_of(column: &TableColumn) -> &str {
+    if column.unit.is_empty() { "1" } else { &column.unit }
 }
 
 impl ResultTable {
     /// A table with these columns.
-    pub fn new(name: &str, columns: Vec<Column>) -> Self {
+    pub fn new(name: &str, columns: Vec<TableColumn>) -> Self {
         Self { name: name.to_owned(), provenance: Vec::new(), columns }
     }
 
@@ -103,8 +91,8 @@ impl ResultTable {
             hash_text(&mut hash, &table.name);
             for column in &table.columns {
                 hash_text(&mut hash, &column.name);
-                hash_text(&mut hash, column.unit.as_deref().unwrap_or("1"));
-                column.cells.hash_into(&mut hash);
+                hash_text(&mut hash, unit_of(column));
+                column.values.hash_into(&mut hash);
             }
         }
         hash.finalize().to_hex().to_string()
@@ -156,11 +144,11 @@ fn write(
     file.close()
 }
 
-fn write_column(file: &SerialFile, table: &str, column: &Column) -> MessageResult<()> {
+fn write_column(file: &SerialFile, table: &str, column: &TableColumn) -> MessageResult<()> {
     let name = format!("{table}/{}", column.name);
-    let unit = column.unit.as_deref().unwrap_or("1");
-    let head = TableHead { name: &name, width: 1, unit, description: &column.description };
-    match &column.cells {
+    let (unit, description) = (unit_of(column), &*column.meaning);
+    let head = TableHead { name: &name, shape: &[], unit, description };
+    match &column.values {
         Cells::Text(texts) => file.make_texts(&head, texts),
         Cells::Whole(numbers) => {
             file.make_table::<u64>(&head, Rows::Fixed(numbers.len() as u64))?;

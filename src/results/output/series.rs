@@ -52,7 +52,7 @@ impl Series {
     /// # Errors
     /// If the file cannot be written.
     pub fn append(&mut self, row: &SeriesRow, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        let values = SeriesRow::COLUMNS.iter().map(|column| shortest((column.value)(row)));
+        let values = SeriesRow::COLUMNS.iter().map(|column| shortest((column.values)(row)));
         let line = values.collect::<Vec<_>>().join(",") + "\n";
         self.0.append(&line, ranks)
     }
@@ -74,8 +74,7 @@ impl Output for Series {
 
 fn format(units: ColumnUnits) -> TableFormat {
     let columns = SeriesRow::COLUMNS.iter();
-    let names =
-        columns.map(|column| format!("{} [{}]", column.column.name, units.of(column.column.unit)));
+    let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.unit)));
     TableFormat { header: names.collect::<Vec<_>>().join(","), texts: &[] }
 }
 

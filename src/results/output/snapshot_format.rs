@@ -1,7 +1,7 @@
 //! Number format of snapshots, and their columns in addition to the standard ones.
 
 use super::table::Rows;
-use talcum_engine::fields::{Column, Field, Kind};
+use talcum_engine::fields::{Column, Kind};
 
 /// Number format of snapshots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,21 +22,8 @@ impl SnapshotStorage {
     }
 }
 
-/// An additional column for each particle in snapshots.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PointColumn {
-    /// What it is.
-    pub column: Column,
-    /// Whether it holds whole numbers.
-    pub is_whole: bool,
-}
-
-impl PointColumn {
-    /// The column of a field of the particles.
-    pub fn of_field(field: &Field) -> Self {
-        Self { column: Column::of_field(field), is_whole: field.kind == Kind::Integer }
-    }
-}
+/// An additional column for each particle in snapshots, with the kind of its numbers.
+pub type PointColumn = Column<Kind>;
 
 /// Settings common to all snapshots of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::instruments::Instruments;
 use crate::case::{Case, ParticleField};
-use talcum_engine::fields::{Column, Unit};
+use talcum_engine::fields::{Column, Kind, Unit};
 use talcum_engine::parallel::{Communicator, ParticleRecord};
 use talcum_engine::particles::{AGGLOMERATE, AgglomerateOfParticle, Body};
 use talcum_results::analysis::RunView;
@@ -43,14 +43,11 @@ pub(super) fn values(
 }
 
 fn column_of(field: ParticleField) -> PointColumn {
-    let force = |name, meaning| PointColumn {
-        column: Column::vector(name, Unit::Force, meaning),
-        is_whole: false,
-    };
+    let force = |name, meaning| Column::of_kind(name, Kind::Vector, Unit::Force, meaning);
     let of_field = |name: &str| {
         let mut fields = ParticleRecord::FIELDS.iter();
         let field = fields.find(|field| field.name == name);
-        PointColumn::of_field(field.expect("the list has it"))
+        Column::of_field(field.expect("the list has it"))
     };
     match field {
         ParticleField::Mass => of_field("mass"),
@@ -64,7 +61,7 @@ fn column_of(field: ParticleField) -> PointColumn {
 }
 
 fn whole(name: &'static str, meaning: &'static str) -> PointColumn {
-    PointColumn { column: Column::scalar(name, Unit::One, meaning), is_whole: true }
+    Column::of_kind(name, Kind::Integer, Unit::One, meaning)
 }
 
 /// The numbers of one column. Collective.

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_said_of_steps_that_were_not_timed() {
+    fn steps_that_were_not_timed_have_no_median() {
         let report = StageRate::begin(5, &GasModel::None).report(5, 100.0);
         assert_eq!(report, "0 steps, 0.00 million particle-steps/s");
     }

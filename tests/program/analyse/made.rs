@@ -148,7 +148,7 @@ pub(crate) fn reason(found: &Findings, name: &str) -> String {
 pub(crate) fn column(found: &Findings, table: &str, column: &str) -> Vec<f64> {
     let table = found.tables.iter().find(|known| known.name == table).unwrap();
     let column = table.columns.iter().find(|known| known.name == column).unwrap();
-    match &column.cells {
+    match &column.values {
         talcum::output::Cells::Number(numbers) => numbers.clone(),
         talcum::output::Cells::Whole(numbers) => numbers.iter().map(|&n| n as f64).collect(),
         talcum::output::Cells::Text(_) => panic!("{} holds texts", column.name),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{check_by_vtk, head, time};
 use bytemuck::Zeroable;
-use talcum::fields::{Column, Unit};
+use talcum::fields::{Column, Kind, Unit};
 use talcum::output::readers::ParticleSnapshotReader;
 use talcum::output::{
     Output, ParticleSnapshots, PointColumn, Provenance, SnapshotFormat, SnapshotStorage,
@@ -45,11 +45,10 @@ fn append(snapshots: &mut ParticleSnapshots, step: usize, ranks: &dyn Communicat
 /// Mass, a vector and a whole number beside what is always shown.
 fn columns() -> Vec<PointColumn> {
     let (unit, meaning) = (Unit::One, "of a test");
-    let column = |column, is_whole| PointColumn { column, is_whole };
     vec![
-        column(Column::scalar("mass", unit, meaning), false),
-        column(Column::vector("force", unit, meaning), false),
-        column(Column::scalar("class", unit, meaning), true),
+        Column::of_kind("mass", Kind::Number, unit, meaning),
+        Column::of_kind("force", Kind::Vector, unit, meaning),
+        Column::of_kind("class", Kind::Integer, unit, meaning),
     ]
 }
 

@@ -62,8 +62,8 @@ impl Curve {
 pub(super) fn check_columns(wanted: &[String], series: Option<&SeriesTable>) -> anyhow::Result<()> {
     let written = series.map(names);
     // Before the run has begun its table, its future columns are used.
-    let known = written
-        .unwrap_or_else(|| SeriesRow::COLUMNS.iter().map(|known| known.column.name).collect());
+    let known =
+        written.unwrap_or_else(|| SeriesRow::COLUMNS.iter().map(|known| &*known.name).collect());
     let known: Vec<&str> = known.into_iter().filter(|name| *name != "time").collect();
     match wanted.iter().find(|name| !known.contains(&name.as_str())) {
         Some(name) => {

@@ -1,7 +1,7 @@
 //! Agglomerates: sets of particles held together by contacts that persist from one checkpoint to the next.
 
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::OneRank;
 use talcum_results::analysis::agglomerates::{
     Agglomerate, Agglomerates, MassWeightedMeans, ParticleSample, Search,
@@ -11,7 +11,7 @@ use talcum_results::analysis::{
     NoValue, Ownership, Pair, Periodicity, Persistence, PersistentContacts, PopulationFit,
 };
 use talcum_results::output::checkpoint::Checkpoint;
-use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
+use talcum_results::output::{Cells, ColumnUnits, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "agglomerates",

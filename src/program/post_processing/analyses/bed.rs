@@ -2,14 +2,14 @@
 
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::bed_height::{
     BedHeight, BedHeightOptions, Profile, bed_height, bulk_solids_fraction, expansion,
 };
 use talcum_results::analysis::statistics::{correlated_mean, moments};
 use talcum_results::analysis::{Estimate, NoValue};
 use talcum_results::output::readers::ProfileTable;
-use talcum_results::output::{Column, ColumnUnits, ResultTable};
+use talcum_results::output::{ColumnUnits, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "bed",

@@ -3,13 +3,13 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use std::f64::consts::PI;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bubbles::{
     Bubble, BubbleOptions, Track, TrackingOptions, VoidageField, find_bubbles, track_bubbles,
 };
 use talcum_results::analysis::statistics::SampleMean;
-use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
+use talcum_results::output::{Cells, ColumnUnits, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "bubbles",

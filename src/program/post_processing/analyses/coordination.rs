@@ -2,10 +2,10 @@
 
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
 use rustc_hash::FxHashMap;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::{Coordination, NoValue};
 use talcum_results::output::checkpoint::Checkpoint;
-use talcum_results::output::{Cells, Column, ResultTable};
+use talcum_results::output::{Cells, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "coordination",

@@ -2,10 +2,10 @@
 
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use talcum_engine::domain::Vibration;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
-use talcum_results::output::{Column, ResultTable};
+use talcum_results::output::{ResultTable, TableColumn};
 use talcum_runs::case::{Case, Stage};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
@@ -64,7 +64,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     }
     let series = results.series()?;
     let mut found = Findings::new(results.units());
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<TableColumn> = Vec::new();
     let mut averages = Vec::new();
     for name in COLUMNS {
         let Some(values) = series.column(name) else { continue };
@@ -118,7 +118,7 @@ fn last_vibration(results: &Results, last_row: f64) -> Result<Vibrating, Unmeasu
     Ok(Vibrating { vibration, from, to: stages[last].end })
 }
 
-fn columns_of(name: &str, unit: &str, average: &PhaseAverage) -> [Column; 2] {
+fn columns_of(name: &str, unit: &str, average: &PhaseAverage) -> [TableColumn; 2] {
     let numbers = |values: &[Option<f64>]| -> Vec<f64> {
         values.iter().map(|value| value.unwrap_or(f64::NAN)).collect()
     };

@@ -3,14 +3,14 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use std::f64::consts::PI;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bed_height::{BedHeightOptions, Profile, bed_height};
 use talcum_results::analysis::residence::{
     Crossing, Gate, ResidenceTimes, SolidsFlux, residence_times, solids_flux,
 };
 use talcum_results::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
-use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
+use talcum_results::output::{Cells, ColumnUnits, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "flux",

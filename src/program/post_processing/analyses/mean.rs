@@ -2,10 +2,10 @@
 
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::statistics::{CorrelatedMean, correlated_mean, moments};
 use talcum_results::analysis::{Estimate, NoValue, SeriesRow};
-use talcum_results::output::{Cells, Column, ResultTable};
+use talcum_results::output::{Cells, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "mean",
@@ -17,9 +17,8 @@ pub(super) const ANALYSIS: Analysis = Analysis {
 
 /// One kind for each column.
 fn kinds() -> impl Iterator<Item = Kind> {
-    let columns =
-        SeriesRow::COLUMNS.iter().map(|known| &known.column).filter(|column| column.name != "time");
-    columns.map(|column| Kind::number(column.name, column.unit, "mean of this column"))
+    let columns = SeriesRow::COLUMNS.iter().filter(|column| column.name != "time");
+    columns.map(|column| Kind::number(&column.name, column.unit, "mean of this column"))
 }
 
 /// Statistics of one column.

@@ -3,7 +3,7 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
 use std::f64::consts::PI;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_engine::parallel::OneRank;
 use talcum_results::analysis::mixing::{
     Dispersion, Displacements, LaceyIndex, MeanDisplacement, Positioned, Sample, lacey_index,
@@ -11,7 +11,7 @@ use talcum_results::analysis::mixing::{
 use talcum_results::analysis::statistics::{SampleMean, median};
 use talcum_results::analysis::{NoValue, Ownership, Periodicity};
 use talcum_results::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
-use talcum_results::output::{Column, ColumnUnits, ResultTable};
+use talcum_results::output::{ColumnUnits, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "mixing",

@@ -3,11 +3,11 @@
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
 use talcum_engine::domain::Face;
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::repose::{Grain, Plate, Surface};
+use talcum_results::output::ResultTable;
 use talcum_results::output::readers::ParticleSnapshot;
-use talcum_results::output::{Column, ResultTable};
 use talcum_runs::case::Case;
 
 pub(super) const ANALYSIS: Analysis = Analysis {

@@ -2,11 +2,11 @@
 
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::spectrum::{PowerSpectrum, welch};
 use talcum_results::analysis::statistics::moments;
-use talcum_results::output::{Column, ResultTable};
+use talcum_results::output::ResultTable;
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "spectrum",

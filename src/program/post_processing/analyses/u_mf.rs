@@ -2,13 +2,13 @@
 
 use crate::post_processing::evenly_spaced::nearest;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::bed_height::{BedHeightOptions, Profile, bulk_solids_fraction};
 use talcum_results::analysis::minimum_fluidisation::{
     Branch, Fit, Ramp, Series, minimum_fluidisation, ratio_to_balance,
 };
-use talcum_results::output::{Column, ColumnUnits, ResultTable};
+use talcum_results::output::{ColumnUnits, ResultTable};
 use talcum_runs::case::{Case, Stage};
 
 pub(super) const ANALYSIS: Analysis = Analysis {

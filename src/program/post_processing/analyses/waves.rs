@@ -3,13 +3,13 @@
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Analysis, Findings, Kind, Results, Unmeasured, Value};
-use talcum_engine::fields::Unit;
+use talcum_engine::fields::{Column, Unit};
 use talcum_results::analysis::NoValue;
 use talcum_results::analysis::waves::{
     BedState, Cell, Front, SolidsFractionField, State, StateShares, WaveMap, WaveOptions, Waves,
     map_waves,
 };
-use talcum_results::output::{Cells, Column, ColumnUnits, ResultTable};
+use talcum_results::output::{Cells, ColumnUnits, ResultTable};
 
 pub(super) const ANALYSIS: Analysis = Analysis {
     name: "waves",

@@ -13,11 +13,7 @@ use talcum_runs::input::{Section, advice};
 
 /// The columns of `series.csv`, without `time`.
 fn series_columns() -> Vec<&'static str> {
-    SeriesRow::COLUMNS
-        .iter()
-        .map(|known| known.column.name)
-        .filter(|name| *name != "time")
-        .collect()
+    SeriesRow::COLUMNS.iter().map(|known| &*known.name).filter(|name| *name != "time").collect()
 }
 
 /// Keys of the source `series`.

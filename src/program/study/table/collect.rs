@@ -10,9 +10,10 @@ use crate::study::setting::{Setting, shortest};
 use crate::study::task::{Records, RunState};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use talcum_results::output::{Cells, Column, ResultTable};
+use talcum_engine::fields::Column;
+use talcum_results::output::{Cells, ResultTable, TableColumn};
 
-/// The tables, and the failed measures.
+/// The tables, and why values are missing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Collected {
     /// `runs`, `searches` if there are any, and `points`.
@@ -106,14 +107,19 @@ impl Collector<'_> {
         columns.extend(self.origin_columns(rows));
         for (index, quantity) in self.session.study.quantities.iter().enumerate() {
             let values: Vec<_> = rows.iter().map(|row| row.measured[index].as_ref()).collect();
-            columns
-                .push(QuantityColumns::of(quantity, self.units[index].as_deref()).of_runs(&values));
+            let unit = self.unit_of(index);
+            columns.push(QuantityColumns { quantity, unit }.of_runs(&values));
         }
         ResultTable::new("runs", columns)
     }
 
+    /// The unit of a quantity; empty if no run has given it.
+    fn unit_of(&self, quantity: usize) -> &str {
+        self.units[quantity].as_deref().unwrap_or_default()
+    }
+
     /// State, digest and provenance of each run.
-    fn origin_columns(&self, rows: &[Row]) -> Vec<Column> {
+    fn origin_columns(&self, rows: &[Row]) -> Vec<TableColumn> {
         let digest = |row: &Row| match &row.state {
             RunState::Done(digest) => digest.clone(),
             _ => String::new(),
@@ -149,14 +155,14 @@ impl Collector<'_> {
             let values: Vec<Vec<_>> = (0..points.len())
                 .map(|point| of_point(point).map(|row| row.measured[index].as_ref()).collect())
                 .collect();
-            let (unit, confidence) = (self.units[index].as_deref(), self.session.study.confidence);
-            columns.extend(QuantityColumns::of(quantity, unit).of_points(&values, confidence));
+            let (unit, confidence) = (self.unit_of(index), self.session.study.confidence);
+            columns.extend(QuantityColumns { quantity, unit }.of_points(&values, confidence));
         }
         ResultTable::new("points", columns)
     }
 
     /// The number of each point, and its settings.
-    pub(super) fn point_columns(&self, points: &[Point]) -> Vec<Column> {
+    pub(super) fn point_columns(&self, points: &[Point]) -> Vec<TableColumn> {
         let numbers = (1..=points.len() as u64).collect();
         let keys: Vec<String> =
             self.session.study.axes.iter().flat_map(|axis| axis.keys.clone()).collect();
@@ -167,7 +173,7 @@ impl Collector<'_> {
     }
 
     /// A column for each key, under its short name.
-    pub(super) fn key_columns(&self, keys: &[String], rows: &[&[Setting]]) -> Vec<Column> {
+    pub(super) fn key_columns(&self, keys: &[String], rows: &[&[Setting]]) -> Vec<TableColumn> {
         let all = self.session.study.varied_keys();
         let column = |key: &String| {
             let value = |settings: &&[Setting]| {
@@ -221,7 +227,7 @@ impl Collector<'_> {
     }
 }
 
-fn text_column(rows: &[Row], name: &str, about: &str, of: &dyn Fn(&Row) -> String) -> Column {
+fn text_column(rows: &[Row], name: &str, about: &str, of: &dyn Fn(&Row) -> String) -> TableColumn {
     Column::new(name, about, Cells::Text(rows.iter().map(of).collect()))
 }
 

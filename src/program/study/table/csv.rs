@@ -23,13 +23,13 @@ pub(crate) fn text(table: &ResultTable) -> String {
     for (name, value) in &table.provenance {
         text += &format!("# {name}: {}\n", value.replace(['\n', '\r'], " "));
     }
-    let heading = table.columns.iter().map(|column| match &column.unit {
-        Some(unit) => quoted(&format!("{} [{unit}]", column.name)),
-        None => quoted(&column.name),
+    let heading = table.columns.iter().map(|column| match column.unit.as_str() {
+        "" => quoted(&column.name),
+        unit => quoted(&format!("{} [{unit}]", column.name)),
     });
     text += &(heading.collect::<Vec<_>>().join(",") + "\n");
     let columns: Vec<Vec<String>> =
-        table.columns.iter().map(|column| cells(&column.cells)).collect();
+        table.columns.iter().map(|column| cells(&column.values)).collect();
     for row in 0..columns.first().map_or(0, Vec::len) {
         let line: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
         text += &(line.join(",") + "\n");
@@ -50,21 +50,17 @@ fn cells(cells: &Cells) -> Vec<String> {
 /// A text quoted according to RFC 4180, if necessary.
 fn quoted(text: &str) -> String {
     let text = text.replace(['\n', '\r'], " ");
-    match text.contains([',', '"']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text,
-    }
+    if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use talcum_results::output::Column;
+    use talcum_engine::fields::Column;
 
     #[test]
     fn a_table_as_text() {
-        let mut height = Column::new("height", "", Cells::Number(vec![0.1, f64::NAN]));
-        height.unit = Some("d".to_owned());
+        let height = Column::numbers("height", "d", "", vec![0.1, f64::NAN]);
         let table = ResultTable {
             name: "runs".to_owned(),
             provenance: vec![("title".to_owned(), "two\nlines".to_owned())],

@@ -1,24 +1,21 @@
 //! The columns of a quantity in the tables of a study.
 
-use super::of_points::{OfPoints, numbers};
+use super::of_points::OfPoints;
 use crate::study::quantity::{NamedQuantity, Value};
 use std::collections::BTreeMap;
-use talcum_results::output::{Cells, Column};
+use talcum_engine::fields::Column;
+use talcum_results::output::{Cells, TableColumn};
 
 /// A quantity and its unit, as tables name them.
 pub(super) struct QuantityColumns<'a> {
-    quantity: &'a NamedQuantity,
-    unit: Option<&'a str>,
+    pub(super) quantity: &'a NamedQuantity,
+    /// Known as soon as a run has given it; empty before.
+    pub(super) unit: &'a str,
 }
 
-impl<'a> QuantityColumns<'a> {
-    /// The unit is known as soon as a run has given it.
-    pub(super) fn of(quantity: &'a NamedQuantity, unit: Option<&'a str>) -> Self {
-        Self { quantity, unit }
-    }
-
+impl QuantityColumns<'_> {
     /// The value of each run; `None` for values that could not be read.
-    pub(super) fn of_runs(&self, values: &[Option<&Value>]) -> Column {
+    pub(super) fn of_runs(&self, values: &[Option<&Value>]) -> TableColumn {
         let about = "of the run";
         if self.quantity.quantity.texts().is_some() {
             let text = |value: &Option<&Value>| value.map(text_of).unwrap_or_default();
@@ -26,12 +23,16 @@ impl<'a> QuantityColumns<'a> {
             return Column::new(&self.quantity.name, about, cells);
         }
         let values = values.iter().map(|value| number_of(*value)).collect();
-        numbers(&self.quantity.name, self.unit, about, values)
+        Column::numbers(&self.quantity.name, self.unit, about, values)
     }
 
-    /// The combined values of the runs of each point. Runs with nothing to measure do not count; a run that could not
+    /// The combined values of the runs of each point. Runs without a value do not count; a run that could not
     /// be read leaves the point without a mean.
-    pub(super) fn of_points(&self, values: &[Vec<Option<&Value>>], confidence: f64) -> Vec<Column> {
+    pub(super) fn of_points(
+        &self,
+        values: &[Vec<Option<&Value>>],
+        confidence: f64,
+    ) -> Vec<TableColumn> {
         if self.quantity.quantity.texts().is_some() {
             let cells = Cells::Text(values.iter().map(|values| tally(values)).collect());
             return vec![Column::new(&self.quantity.name, "texts of the runs", cells)];

@@ -6,7 +6,8 @@ use crate::study::bisection::{Bisection, Search};
 use crate::study::plan::Point;
 use crate::study::setting::Setting;
 use crate::study::task::{SearchRecord, Task};
-use talcum_results::output::{Cells, Column, ResultTable};
+use talcum_engine::fields::Column;
+use talcum_results::output::{Cells, ResultTable};
 
 impl Collector<'_> {
     pub(super) fn searches(
@@ -28,7 +29,7 @@ impl Collector<'_> {
         let points: Vec<Point> =
             records.iter().map(|(task, _)| self.session.plan.points[task.point].clone()).collect();
         let mut columns = self.point_columns(&points);
-        columns[0].cells =
+        columns[0].values =
             Cells::Whole(records.iter().map(|(task, _)| task.point as u64 + 1).collect());
         let seeds: Vec<Vec<Setting>> = records
             .iter()

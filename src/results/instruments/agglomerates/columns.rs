@@ -1,7 +1,7 @@
 //! The tables of the file of agglomerates.
 
 use super::Agglomerates;
-use crate::instruments::layout::{Fixed, Layout, Table};
+use crate::instruments::layout::{Layout, Table};
 use talcum_engine::fields::Column;
 use talcum_engine::fields::Unit::{self, Length, Mass, One, Rate, Speed, Time};
 
@@ -120,10 +120,8 @@ pub(super) fn layout(settings: &Agglomerates) -> Layout {
     ];
     let meaning =
         "limits of the bins of the number of members: bin k holds limits[k] <= n < limits[k + 1]";
-    let limits = Fixed {
-        column: Column::scalar("size_limits", One, meaning),
-        values: settings.sizes.iter().map(|&size| size as f64).collect(),
-    };
+    let limits = settings.sizes.iter().map(|&size| size as f64).collect();
+    let limits = Column::with("size_limits", One, &[], meaning, limits);
     Layout { fixed: vec![limits], tables, ..Layout::default() }
 }
 

@@ -3,7 +3,7 @@
 use super::profile::MeanProfiles;
 use super::{Adhesion, NUMBERS};
 use crate::analysis::stress::{CellGrid, rumpf_strength};
-use crate::instruments::layout::{Fixed, Layout, Rows, Table};
+use crate::instruments::layout::{Layout, Rows, Table};
 use talcum_engine::fields::Column;
 use talcum_engine::fields::Unit::{Length, One, Pressure, Speed, SquaredSpeed, Time};
 
@@ -88,13 +88,13 @@ pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
         scalars.chain(fields(&shape).into_iter().map(|field| field.along(along))).collect();
     let middle = |layer: usize| (layer as f64 + 0.5) * grid.spacing.z;
     let heights = Column::scalar("height", Length, "middle heights of the layers, in the frame");
-    let heights = Fixed { column: heights, values: (0..layers).map(middle).collect() };
+    let heights = heights.holding((0..layers).map(middle).collect());
     let phase =
         Column::scalar("phase", One, "middle of each bin of the phase, as a part of a cycle");
     let values = (0..phases).map(|k| (k as f64 + 0.5) / phases as f64).collect();
     let fixed = match phases {
         1 => vec![heights],
-        _ => vec![heights, Fixed { column: phase, values }],
+        _ => vec![heights, phase.holding(values)],
     };
     Layout { fixed, tables: vec![Table { name: "results", columns }], ..Layout::default() }
 }

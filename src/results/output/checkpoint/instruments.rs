@@ -46,8 +46,9 @@ pub(super) fn make(
         file.set_text(&group, "tables", &joined(stored.tables.iter().map(|table| &table.name)))?;
         for table in &stored.tables {
             let path = path_of(name, &table.name);
-            let description = "accumulators of a measure: bits of numbers, and ids";
-            let head = TableHead { name: &path, width: table.width, unit: "1", description };
+            let description = "accumulators of an instrument: bits of numbers, and ids";
+            let shape: &[usize] = if table.width == 1 { &[] } else { &[table.width] };
+            let head = TableHead { name: &path, shape, unit: "1", description };
             let rows = rows.next().copied().unwrap_or_default();
             file.make_table::<u64>(&head, Rows::Fixed(rows))?;
         }

@@ -16,7 +16,7 @@ use crate::output::{
     ColumnUnits, MessageResult, OutputError, Provenance, agreed, checksum, on_root, sync_folder,
     with_suffix,
 };
-use talcum_engine::fields::{CounterValue, Field, Record};
+use talcum_engine::fields::{Column, CounterValue, Field, Record};
 use talcum_engine::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedRows,
     WallContactRecord, sort_by_id_in_chunks, sort_numbers_by_id,
@@ -178,7 +178,7 @@ fn write_ledger(
     file.set_number("/energy", "potential", start.potential)?;
     file.set_number("/energy", "elastic", start.elastic)?;
     let description = "integers of the exact sums of work by mechanism, then of the last power";
-    let head = TableHead { name: LEDGER, width: 1, unit: "1", description };
+    let head = TableHead { name: LEDGER, shape: &[], unit: "1", description };
     file.make_table::<i64>(&head, Rows::Fixed(sums.len() as u64))?;
     file.fill(LEDGER, &sums)
 }
@@ -191,7 +191,7 @@ fn make_datasets<R: Record>(
 ) -> MessageResult<()> {
     for id in R::IDS {
         let (name, description) = (&*path_of::<R>(id.name), id.meaning);
-        file.make_table::<u64>(&TableHead { name, width: 1, unit: "1", description }, rows)?;
+        file.make_table::<u64>(&TableHead { name, shape: &[], unit: "1", description }, rows)?;
     }
     fields.iter().try_for_each(|(_, field)| make_dataset::<R>(file, rows, units, field))
 }
@@ -202,9 +202,8 @@ fn make_dataset<R: Record>(
     units: ColumnUnits,
     field: &Field,
 ) -> MessageResult<()> {
-    let (name, unit) = (&*path_of::<R>(field.name), units.of(field.unit));
-    let head = TableHead { name, width: field.width(), unit, description: field.meaning };
-    file.make_table::<f64>(&head, rows)
+    let (path, column) = (path_of::<R>(field.name), Column::of_field(field));
+    file.make_table::<f64>(&TableHead::of_column(&path, &column, units), rows)
 }
 
 /// Writes the records of all ranks in the order of their first ids.

@@ -1,4 +1,4 @@
-//! Dimension scales, as defined by H5DS of the HDF5 library: they tell readers such as xarray and h5py which dataset
+//! Dimension scales, as defined by H5DS of the HDF5 library: they show readers such as xarray and h5py which dataset
 //! holds the times or heights of a table's rows and columns.
 //!
 //! Specification: HDF5 Dimension Scale Specification and Design Notes, The HDF Group (2005).
@@ -6,6 +6,7 @@
 use super::rows::Identifier;
 use super::{SerialFile, described, written};
 use crate::output::MessageResult;
+use crate::output::table::ScaledTable;
 use hdf5::types::{FixedAscii, VarLenArray};
 use hdf5::{Dataset, H5Type, ObjectReference1};
 use hdf5_sys::h5a::{H5Aclose, H5Acreate2, H5Awrite};
@@ -15,9 +16,6 @@ use hdf5_sys::h5t::{H5T_str_t, H5Tset_strpad};
 
 /// Value of the attribute that makes a dataset a scale.
 const CLASS: &[u8; 16] = b"DIMENSION_SCALE\0";
-
-/// A table, with the scales of its first dimensions; its other dimensions have none.
-pub(in crate::output) type ScaledTable = (String, Vec<String>);
 
 /// A dataset and its dimension to which a scale belongs.
 #[derive(Clone, Copy, H5Type)]

@@ -19,7 +19,6 @@ use hdf5::{
     Dataset, DatasetBuilderEmpty, Extent, File, FileBuilder, H5Type, Location, SimpleExtents,
 };
 
-pub(super) use self::dimension_scales::ScaledTable;
 use self::rows::{open_together, place_of_piece, read_rows, set_rows, write};
 pub(super) use self::shared_dataset::SharedDataset;
 use super::table::{Rows, TableHead};
@@ -196,19 +195,7 @@ impl SerialFile {
     /// Makes a new dataset. Room for rows is allocated as soon as there are any: if this were left to the first
     /// transfer, ranks without rows would take no part in it, and transfers of all ranks fail on missing chunks.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> MessageResult<()> {
-        self.make_blocks::<T>(head, &[], rows)
-    }
-
-    /// Makes a new dataset whose rows are blocks of this shape.
-    pub(super) fn make_blocks<T: Element>(
-        &self,
-        head: &TableHead,
-        shape: &[usize],
-        rows: Rows,
-    ) -> MessageResult<()> {
         let make = || {
-            let width = if head.width == 1 { &[][..] } else { &[head.width] };
-            let width = &[shape, width].concat()[..];
             let builder = self.0.new_dataset::<T>();
             let early = |builder: DatasetBuilderEmpty| {
                 builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never)
@@ -216,14 +203,15 @@ impl SerialFile {
             let (first, builder) = match rows {
                 Rows::Fixed(rows) => (Extent::fixed(rows as usize), early(builder.no_chunk())),
                 Rows::Growing(piece) => {
-                    (Extent::resizable(0), early(builder.chunk([&[piece], width].concat())))
+                    (Extent::resizable(0), early(builder.chunk([&[piece], head.shape].concat())))
                 }
                 Rows::Compressed { piece, level } => {
-                    let builder = builder.chunk([&[piece], width].concat());
+                    let builder = builder.chunk([&[piece], head.shape].concat());
                     (Extent::resizable(0), builder.shuffle().deflate(level))
                 }
             };
-            let extents = std::iter::once(first).chain(width.iter().map(Extent::from)).collect();
+            let extents =
+                std::iter::once(first).chain(head.shape.iter().map(Extent::from)).collect();
             let builder = builder.obj_track_times(false);
             let dataset = builder.shape(SimpleExtents::from_vec(extents)).create(head.name)?;
             set_text(&dataset, "unit", head.unit)?;

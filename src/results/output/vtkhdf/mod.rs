@@ -11,6 +11,6 @@ mod writer;
 pub(super) use image_data::image_table;
 pub(super) use poly_data::{Drawn, PolyData};
 pub(super) use table::{
-    Dataset, FileTable, FileType, Fill, ImageCells, Numbers, RecordColumn, Term,
+    Dataset, FileTable, FileType, Fill, ImageCells, Numbers, RecordColumn, Term, numbers_in,
 };
 pub(super) use writer::{Added, Writer, listed_times, whole_numbers};

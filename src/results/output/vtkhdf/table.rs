@@ -3,6 +3,7 @@
 use crate::output::hdf5_file::SerialFile;
 use crate::output::table::{Rows, TableHead};
 use crate::output::{ColumnUnits, MessageResult, SnapshotStorage};
+use std::borrow::Cow;
 use talcum_engine::fields::Column;
 
 /// Rows of indices that are stored as one piece.
@@ -52,7 +53,7 @@ pub(crate) struct Dataset {
     /// Shape of a row; empty for one number.
     pub(crate) shape: Vec<usize>,
     pub(crate) unit: &'static str,
-    pub(crate) description: &'static str,
+    pub(crate) description: Cow<'static, str>,
     pub(crate) fill: Fill,
 }
 
@@ -105,37 +106,37 @@ pub(crate) enum Term {
     Count(u64),
 }
 
-/// A column of the items of a file, taken from their records.
-pub(crate) struct RecordColumn<T> {
-    /// What it is; its name is the path below `/VTKHDF`.
-    pub(crate) column: Column,
-    pub(crate) of: fn(&T) -> &[f64],
-}
+/// A column of the items of a file, taken from their records; its name is the path below `/VTKHDF`.
+pub(crate) type RecordColumn<T> = Column<fn(&T) -> &[f64]>;
 
-impl<T> RecordColumn<T> {
-    /// The numbers of these records, one after another.
-    pub(crate) fn of_all(&self, records: &[T]) -> Vec<f64> {
-        records.iter().flat_map(self.of).copied().collect()
-    }
-
-    /// Its dataset.
-    pub(crate) fn dataset(&self, units: ColumnUnits) -> Dataset {
-        let Column { name, unit, meaning, .. } = self.column;
-        Dataset::of_items(name, Numbers::Real, self.column.width(), units.of(unit), meaning)
-    }
+/// The numbers of a column in these records, one after another.
+pub(crate) fn numbers_in<T>(column: &RecordColumn<T>, records: &[T]) -> Vec<f64> {
+    records.iter().flat_map(column.values).copied().collect()
 }
 
 impl Dataset {
+    /// A column of the items, in a group below `/VTKHDF`.
+    pub(crate) fn of_column<V>(
+        group: &str,
+        column: &Column<V>,
+        numbers: Numbers,
+        units: ColumnUnits,
+    ) -> Self {
+        let (name, unit) = (format!("{group}{}", column.name), units.of(column.unit));
+        Self::of_items(name, numbers, column.width(), unit, column.meaning.clone())
+    }
+
     /// A row of so many numbers for each item.
     pub(crate) fn of_items(
         name: impl Into<String>,
         numbers: Numbers,
         width: usize,
         unit: &'static str,
-        description: &'static str,
+        description: impl Into<Cow<'static, str>>,
     ) -> Self {
         let shape = if width == 1 { Vec::new() } else { vec![width] };
-        Self { name: name.into(), numbers, shape, unit, description, fill: Fill::ITEMS }
+        let (name, description) = (name.into(), description.into());
+        Self { name, numbers, shape, unit, description, fill: Fill::ITEMS }
     }
 
     /// Integers of one row for each time, or of several.
@@ -144,8 +145,8 @@ impl Dataset {
         terms: &[Term],
         description: &'static str,
     ) -> Self {
-        let (numbers, fill) = (Numbers::Whole, Fill::Index(terms.to_vec()));
-        Self { name: name.into(), numbers, shape: Vec::new(), unit: "1", description, fill }
+        let fill = Fill::Index(terms.to_vec());
+        Self { fill, ..Self::of_items(name, Numbers::Whole, 1, "1", description) }
     }
 
     /// The times.
@@ -162,19 +163,17 @@ impl Dataset {
     /// Makes it in a file.
     pub(super) fn make(&self, file: &SerialFile, table: &FileTable) -> MessageResult<()> {
         let path = self.path();
-        let (unit, description) = (self.unit, self.description);
-        let head = TableHead { name: &path, width: 1, unit, description };
+        let (unit, description) = (self.unit, &*self.description);
+        let head = TableHead { name: &path, shape: &self.shape, unit, description };
         let (storage, rows) = match self.fill {
             Fill::Rows { .. } => (table.storage, table.storage.rows(table.piece)),
             Fill::Counting => (SnapshotStorage::default(), Rows::Growing(table.piece)),
             _ => (SnapshotStorage::default(), Rows::Growing(INDEX_PIECE)),
         };
         match self.numbers {
-            Numbers::Whole => file.make_blocks::<i64>(&head, &self.shape, rows),
-            Numbers::Real if storage.single_precision => {
-                file.make_blocks::<f32>(&head, &self.shape, rows)
-            }
-            Numbers::Real => file.make_blocks::<f64>(&head, &self.shape, rows),
+            Numbers::Whole => file.make_table::<i64>(&head, rows),
+            Numbers::Real if storage.single_precision => file.make_table::<f32>(&head, rows),
+            Numbers::Real => file.make_table::<f64>(&head, rows),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Begins, continues and fills a file of any table.
 //!
-//! Rows are written first, then what makes them a time; the file is closed after each, so that it can be read during the
-//! run; at each checkpoint its rows are made safe against a kill.
+//! Rows are written first, and then the time to which they belong. The file is closed after each time, so that it can be
+//! read during the run; at each checkpoint its rows are secured against a kill.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -22,14 +22,14 @@ pub(crate) struct Writer {
     extent: Extent,
 }
 
-/// How much a file holds.
+/// The extent of a file.
 #[derive(Clone, Copy, Debug)]
 struct Extent {
     /// Times.
     steps: u64,
     /// Items up to the end of the last time, those between times included.
     items: u64,
-    /// Items of the time that has most.
+    /// Items of the time that has the most.
     most: u64,
     /// The items of a time begin at a multiple of this: compressed pieces are written once, and never moved.
     alignment: u64,
@@ -90,9 +90,9 @@ impl Added {
 }
 
 impl Writer {
-    /// Begins a file in the place of one that is there; or continues it as it was last committed, after what it holds up to and
-    /// including a time, and drops what is later. A file that cannot be read is set aside with a warning, and a new one begun.
-    /// Collective.
+    /// Begins a file, replacing any existing one; or continues a file in its last committed state, after the times up to and
+    /// including a given one; later ones are dropped. A file that cannot be read is set aside with a warning, and a new one
+    /// is begun. Collective.
     pub(crate) fn open(
         path: &Path,
         table: FileTable,
@@ -170,7 +170,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Makes safe what was written so far. Collective.
+    /// Secures the data written so far. Collective.
     pub(crate) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         metadata_copy::commit_on_root(&self.path, &self.table.paths_of_items(), ranks)
     }
@@ -180,7 +180,7 @@ impl Writer {
         (added, self.extent.with(added).expect("there are fewer items than integers"))
     }
 
-    /// Makes rows that are there a time.
+    /// Adds the time to which the last rows belong.
     fn add_step(&self, file: &SerialFile, time: f64, added: Added) -> MessageResult<()> {
         for dataset in &self.table.datasets {
             let path = dataset.path();
@@ -208,7 +208,7 @@ impl FileTable {
         filled.map(Dataset::path).collect()
     }
 
-    /// The multiple at which items of a time begin: a file that was begun compressed, or otherwise, continues so.
+    /// The multiple at which items of a time begin. A file stays compressed or uncompressed, as it was begun.
     fn alignment(&self, file: &SerialFile) -> MessageResult<u64> {
         let paths = self.paths_of_items();
         let compressed = paths.first().map_or(Ok(false), |path| file.is_compressed(path))?;
@@ -236,7 +236,8 @@ impl FileTable {
         file.close()
     }
 
-    /// Drops what is later than a time; returns what is kept. If that is nothing, the file is as it was: a new one takes its place.
+    /// Drops the times after a given one; returns the extent that is kept. If nothing is kept, the file is unchanged: a new one
+    /// replaces it.
     fn cut_after(&self, path: &Path, time: f64, found_length: u64) -> Result<Extent, Obstacle> {
         metadata_copy::restore(path).map_err(Obstacle::Failed)?;
         let kept = self.extent_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;
@@ -306,7 +307,7 @@ impl FileTable {
 }
 
 impl FileType {
-    /// Says in a file what it is.
+    /// Writes the type of a file into it.
     fn describe(&self, file: &SerialFile) -> MessageResult<()> {
         let Self::ImageData(cells) = self else {
             return file.set_format_name("/VTKHDF", "Type", b"PolyData");
