@@ -68,6 +68,9 @@ impl NearMesh<'_> {
         let place = self.pose.seen_at_rest(&body.position);
         for slot in self.slots.clone() {
             let facet = contacts.wall_pairs[slot].facet;
+            if !self.mesh.may_be_near(&place, facet, body.radius + range) {
+                continue;
+            }
             let found = self.mesh.nearest_on(&place, facet);
             let (distance, nearest) = (found.from.distance, found.feature);
             if distance - body.radius <= range {

@@ -1,12 +1,14 @@
 //! Meshes of triangles: walls of any shape.
 
 mod nearest;
+mod planes;
 mod tree;
 mod vertices;
 
 pub use self::nearest::{Feature, NearestOnFacet};
 pub use self::vertices::{MeshError, join_vertices};
 
+use self::planes::Planes;
 use self::tree::Tree;
 use super::from_surface::FromSurface;
 use nalgebra::Vector3;
@@ -21,6 +23,7 @@ pub struct Mesh {
     vertices: Vec<Vector3<f64>>,
     edges: Vec<Edge>,
     facets: Vec<Facet>,
+    planes: Vec<Planes>,
     tree: Tree,
     encloses: Option<Enclosure>,
 }
@@ -85,9 +88,11 @@ impl Mesh {
             let bend = bend_of(edge, &facets, &vertices);
             edge.is_smooth = bend.is_some_and(|bend| bend < feature_angle);
         }
-        let boxes = facets.iter().map(|facet| facet.vertices.map(|k| vertices[k as usize]));
-        let tree = Tree::of(boxes);
-        let mesh = Self { vertices, edges, facets, tree, encloses: None };
+        let corners_of = |facet: &Facet| facet.vertices.map(|k| vertices[k as usize]);
+        let tree = Tree::of(facets.iter().map(corners_of));
+        let planes = facets.iter().map(|facet| Planes::of(&facet.normal, corners_of(facet)));
+        let planes = planes.collect();
+        let mesh = Self { vertices, edges, facets, planes, tree, encloses: None };
         let encloses = mesh.is_closed().then(|| Enclosure::of(&mesh));
         Ok(Self { encloses, ..mesh })
     }
@@ -135,6 +140,12 @@ impl Mesh {
     /// The numbers of all facets that may be nearer to a point than this distance, in no particular order.
     pub fn facets_near(&self, point: &Vector3<f64>, distance: f64) -> impl Iterator<Item = u32> {
         self.tree.facets_near(point, distance)
+    }
+
+    /// Whether a facet may be nearer to a point than this distance. It is so for all that are, and for few others.
+    #[inline(always)]
+    pub fn may_be_near(&self, point: &Vector3<f64>, facet: u32, distance: f64) -> bool {
+        self.planes[facet as usize].may_be_near(point, distance)
     }
 
     /// Distance and direction of a point from the nearest facet; among several, from that of the lowest number.

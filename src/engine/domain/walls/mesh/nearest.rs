@@ -31,13 +31,10 @@ impl Mesh {
     /// from an edge or a corner do not depend on the facet, to the bit, so facets that share it agree on its rank.
     pub fn nearest_on(&self, point: &Vector3<f64>, facet: u32) -> NearestOnFacet {
         let of_facet = &self.facets[facet as usize];
-        let corners = self.corners(facet);
-        let is_within = |k: usize| {
-            let along = corners[(k + 1) % 3] - corners[k];
-            of_facet.normal.cross(&along).dot(&(point - corners[k])) >= 0.0
-        };
-        if (0..3).all(is_within) {
-            let height = of_facet.normal.dot(&(point - corners[0]));
+        let [_, inwards @ ..] = self.planes[facet as usize].heights(point);
+        if inwards.into_iter().all(|height| height >= 0.0) {
+            let corner = self.vertices[of_facet.vertices[0] as usize];
+            let height = of_facet.normal.dot(&(point - corner));
             let from = FromSurface::above(height, of_facet.normal);
             return NearestOnFacet { from, feature: Feature::Facet(facet) };
         }
