@@ -1,10 +1,12 @@
 //! Failures end all ranks, with one message and an exit code, and never by a hang.
 
+use crate::analyse::made::{CASE, Made};
 use crate::launch::{
     Ended, checkpoints, in_repository, signal, smoke, start, start_program, talcum, wait_for_end_of,
 };
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 /// Arguments that run a smoke case into a folder.
 fn run(ranks: usize, name: &str, output: &Path, more: &[&str]) -> Ended {
@@ -53,6 +55,27 @@ fn all_errors_of_a_case_are_reported_in_one_message() {
         ] {
             assert!(message.contains(expected), "{expected}: {message}");
         }
+    }
+}
+
+#[test]
+fn a_limit_of_the_size_of_files_is_an_error_and_ends_no_command_without_a_message() {
+    let made = Made::of(CASE);
+    let folder = tempfile::tempdir().unwrap();
+    let (here, results) = (folder.path().display(), made.path().display());
+    let (case, study) = (smoke("walls"), in_repository("tests/program/study/study.toml"));
+    let study = format!("study {} --output {here}/study", study.display());
+    let run = format!("run {case} --output {here}/run --until 0.01");
+    for command in [
+        format!("analyse {results}"),
+        format!("{study} --write-slurm"),
+        format!("{run} --threads 2"),
+    ] {
+        let script = format!("ulimit -f 0; exec {} {command}", env!("CARGO_BIN_EXE_talcum"));
+        let ended = Command::new("sh").args(["-c", &script]).output().unwrap();
+        let message = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(1), "{command}: {message}");
+        assert!(message.contains("File too large"), "{command}: {message}");
     }
 }
 

@@ -284,7 +284,7 @@ fn rows_that_are_lost_before_the_checkpoint_are_told() {
     std::fs::write(&path, &rows[..header + (rows.len() - header) / 2]).unwrap();
     let told = run("0.4");
     let digest = told.digest();
-    assert!(told.errors.contains("series.csv: its last row is at time 0.1"), "{}", told.errors);
+    assert!(told.errors.contains("series.csv: its rows end at time 0.1"), "{}", told.errors);
     assert!(told.errors.contains("rows in between are lost"), "{}", told.errors);
     assert!(!digest.is_empty());
 }

@@ -116,6 +116,22 @@ fn a_lack_of_memory_is_reported_in_one_message() {
     assert!(failure(&ended).contains("error: out of memory: the program has"), "{}", ended.errors);
 }
 
+/// The limits are such that ranks find no memory at the same time, in some of the runs.
+#[test]
+fn ranks_that_are_out_of_memory_together_end_with_the_same_message() {
+    let program = env!("CARGO_BIN_EXE_talcum");
+    for limit in (250_000..350_000).step_by(10_000) {
+        let arguments =
+            "--threads 4 --any-memory --set particles.count=400000 --set box.lengths=[400,400,12]";
+        let script =
+            format!("ulimit -v {limit}; exec {program} check {} {arguments}", smoke("walls"));
+        let ended = crate::launch::start_program(Path::new("/bin/sh"), 0, &["-c", &script]).wait();
+        assert_eq!(ended.code(), Some(1), "{limit}: {}", ended.errors);
+        let messages = ended.errors.matches("error: ").count();
+        assert_eq!(messages, 1, "{limit}: {}", ended.errors);
+    }
+}
+
 /// A process takes some 50 MB, and a thread hardly any.
 #[test]
 fn threads_are_not_counted_as_processes_in_the_estimate_of_memory() {

@@ -8,9 +8,12 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// Exit code of all ranks; the same as for any other error.
 const CODE: i32 = 1;
+/// Time for the message, and for the end of all ranks.
+const TIME_TO_END: Duration = Duration::from_secs(1);
 
 /// This process among others: its rank, and a function that ends all of them with an exit code. Not set if this process
 /// is alone.
@@ -154,7 +157,9 @@ fn moves_to_large_pages(layout: Layout, size: usize) -> bool {
 #[cold]
 fn end_all_ranks(size: usize) -> ! {
     if ENDING.swap(true, Ordering::SeqCst) {
-        std::process::abort();
+        // Another thread has no memory either, and leaves the first the time to print; or what ends the ranks has none.
+        std::thread::sleep(TIME_TO_END);
+        signal_hook::low_level::exit(CODE);
     }
     let mut text = [0_u8; 400];
     let mut rest = &mut text[..];

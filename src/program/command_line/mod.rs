@@ -23,6 +23,7 @@ use self::launchers::require_one_run;
 use self::log::start_log;
 pub use self::new::Gallery;
 use self::ranks::on_ranks;
+use self::signals::catch_limit_of_files;
 use crate::study::{self, StudyOptions, SummaryOptions};
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use std::io::Write;
@@ -184,6 +185,7 @@ pub fn main(build: &Build) -> ExitCode {
 /// Runs a command that needs no ranks.
 fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     start_log("info");
+    catch_limit_of_files();
     work().unwrap_or_else(|error| {
         complain(&error);
         ExitCode::FAILURE

@@ -1,6 +1,7 @@
 //! Start of the ranks of a command: as processes of MPI, or as threads of this process.
 
 use super::launchers::require_one_process;
+use super::signals::catch_limit_of_files;
 use super::{complain, start_log};
 use anyhow::Context;
 use std::process::ExitCode;
@@ -39,6 +40,7 @@ fn by_default(work: impl Work) -> ExitCode {
     };
     // The other ranks write to the log only if RUST_LOG requests it.
     start_log(if ranks.is_root() { "info" } else { "off" });
+    catch_limit_of_files();
     let result = work(&ranks);
     if let Err(error) = &result {
         if ranks.is_root() {
@@ -58,6 +60,7 @@ fn by_default(work: impl Work) -> ExitCode {
 
 fn on_threads(threads: usize, work: impl Work) -> ExitCode {
     start_log("info");
+    catch_limit_of_files();
     if let Err(error) = require_one_process(|name| std::env::var(name).ok()) {
         if error.speaks {
             complain(&error.into());

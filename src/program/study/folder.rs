@@ -21,6 +21,8 @@ use talcum_results::output::readers::SeriesTable;
 pub(crate) const COMPLETE: &str = "complete";
 /// Contains the reason why a run failed.
 pub(crate) const FAILED: &str = "failed";
+/// Number of hexadecimal digits of a digest.
+const DIGITS: usize = 32;
 /// Locked while a run is active.
 const RUN_LOCK: &str = "lock";
 
@@ -211,9 +213,11 @@ fn read_state(folder: &Path, member: &Member) -> RunState {
     }
 }
 
-/// The digest in a file `complete`, which contains `digest HEX`.
+/// The digest in a file `complete`, which contains `digest HEX`; `None` if it was cut short or damaged.
 pub(crate) fn digest_of(text: &str) -> Option<String> {
-    text.lines().find_map(|line| line.strip_prefix("digest ")).map(|hex| hex.trim().to_owned())
+    let digest = text.lines().find_map(|line| line.strip_prefix("digest "))?.trim();
+    let is_whole = digest.len() == DIGITS && digest.bytes().all(|byte| byte.is_ascii_hexdigit());
+    is_whole.then(|| digest.to_owned())
 }
 
 /// The name of the newest checkpoint in a folder: names end with the number of the step, with leading zeros.
@@ -258,5 +262,21 @@ impl Records for Results<'_> {
         self.folder.require_last_row(member).map_err(|error| format!("{name}: {error}"))?;
         let measured = quantity.quantity.value(&self.folder.run(member));
         measured.map_err(|error| format!("{name}: {error}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_digest_that_was_cut_short_is_none() {
+        let digest = "0123456789abcdef0123456789abcdef";
+        let line = format!("digest {digest}\n");
+        assert_eq!(digest_of(&line).as_deref(), Some(digest));
+        for length in 0..line.len() - 1 {
+            assert_eq!(digest_of(&line[..length]), None, "{length}");
+        }
+        assert_eq!(digest_of(&line.replace('a', "x")), None);
     }
 }

@@ -104,10 +104,12 @@ fn gaps(mut ranges: Vec<Range<u64>>, length: u64) -> Vec<Range<u64>> {
 }
 
 /// Restores a file to its committed state and length. Rows beyond the length with which the file was found are lost,
-/// and become zeros. Without a copy nothing is done.
+/// and become zeros. Without a copy nothing is done, with a warning.
 pub(super) fn restore(path: &Path) -> MessageResult<()> {
     let place = path_of_copy(path);
     if !place.exists() {
+        let (place, path) = (place.display(), path.display());
+        log::warn!("{place} is not there: nothing says whether {path} has lost its last rows");
         return Ok(());
     }
     let copy = require_file(&place).and_then(|()| std::fs::read(&place));

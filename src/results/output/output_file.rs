@@ -167,11 +167,11 @@ fn read_through(path: &Path) -> std::io::Result<()> {
     std::io::copy(&mut File::open(path)?, &mut std::io::sink()).map(|_| ())
 }
 
-/// Number of rows that a run has written up to and including a time, from the ascending times in its file. If they do
-/// not ascend, the rest may be left by an interrupted truncation: later times, or none.
+/// Number of rows that a run has written up to and including a time, from the ascending times in its file. The rest may be
+/// left by an interrupted truncation: a later time, and then others, or none.
 ///
 /// # Errors
-/// If rows that are to be kept lie behind one whose time is damaged.
+/// If a row that is to be kept, or the first behind them, has a damaged time.
 pub(super) fn rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before < row_time)
 }
@@ -189,10 +189,14 @@ fn leading_rows(times: &[f64], time: f64, follows: fn(f64, f64) -> bool) -> Mess
         is_kept
     });
     let rows = rows.count();
-    if times[rows..].iter().any(|&row_time| last < row_time && row_time <= time) {
-        Err(format!("the time of its row {} is damaged: {}", rows + 1, times[rows]))
-    } else {
-        Ok(rows)
+    let is_kept = |&row_time: &f64| last < row_time && row_time <= time;
+    // A time that is no number is not later either.
+    let is_later = |next: f64| next > time;
+    match times.get(rows) {
+        Some(&next) if !is_later(next) || times[rows..].iter().any(is_kept) => {
+            Err(format!("the time of its row {} is damaged: {next}", rows + 1))
+        }
+        _ => Ok(rows),
     }
 }
 
@@ -233,6 +237,10 @@ mod tests {
         // Remains of an interrupted truncation, and room that is not filled.
         assert_eq!(rows_up_to(&[0.0, 0.1, 0.4, 0.5, 0.0, 0.0], 0.3), Ok(2));
         assert_eq!(rows_up_to(&[], 0.3), Ok(0));
+        // The last row: nothing but its time says that it is one.
+        for wrong in [0.0, f64::NAN, -1.0] {
+            assert!(rows_up_to(&[0.0, 0.1, wrong], 0.3).is_err());
+        }
         assert!(rows_up_to(&[0.0, 0.1, 0.1, 0.2], 0.3).is_err());
         assert_eq!(shared_rows_up_to(&[0.0, 0.1, 0.1, 0.2], 0.3), Ok(4));
     }

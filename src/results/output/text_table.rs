@@ -185,9 +185,7 @@ fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Ob
     }
     if let Some(last) = missing_after(time, &times) {
         let path = path.display();
-        log::warn!(
-            "{path}: its last row is at time {last}, before {time}: rows in between are lost"
-        );
+        log::warn!("{path}: its rows end at time {last}, before {time}: rows in between are lost");
     }
     Ok(kept)
 }
@@ -239,13 +237,16 @@ fn head_and_rows<'t>(text: &'t str, format: &TableFormat) -> MessageResult<(Stri
     Ok((head, rows))
 }
 
-/// The last time of the rows if there should be another one up to `time`: rows are synced to the disk with each
-/// checkpoint. A row is written at the first step after a multiple of its interval, so the longest of the last
-/// intervals is used.
+/// The last time of the rows up to `time` if there should be others: rows are synced to the disk with each checkpoint. A row is
+/// written at the first step after a multiple of its interval, so the longest of the last intervals is used; and all
+/// times have the same number of rows. Later rows say nothing: their time may be a damaged one.
 fn missing_after(time: f64, times: &[f64]) -> Option<f64> {
-    let mut distinct = times.to_vec();
-    distinct.dedup();
-    let last_ones = &distinct[distinct.len().saturating_sub(10)..];
+    let kept: Vec<&[f64]> =
+        times[..times.partition_point(|&row| row <= time)].chunk_by(f64::eq).collect();
+    let is_short = |pair: &[&[f64]]| pair[1].len() < pair[0].len();
+    let whole = kept.len() - usize::from(kept.windows(2).last().is_some_and(is_short));
+    let last_ones: Vec<f64> =
+        kept[whole.saturating_sub(10)..whole].iter().map(|rows| rows[0]).collect();
     let longest = last_ones.windows(2).map(|pair| pair[1] - pair[0]).reduce(f64::max)?;
     let last = *last_ones.last()?;
     // Times are sums of steps: one part in 10^9 is far below any interval.
@@ -343,6 +344,10 @@ mod tests {
         assert_eq!(missing_after(0.3, &times), Some(0.2));
         assert_eq!(missing_after(0.29, &times), None);
         assert_eq!(missing_after(0.3, &[0.0, 0.11, 0.2]), None);
+        // One of the last rows, or the only one, is lost, or seems to have a later time.
+        assert_eq!(missing_after(0.2, &[0.0, 0.0, 0.1, 0.1, 0.2]), Some(0.1));
+        assert_eq!(missing_after(0.2, &[0.0, 0.0, 0.1, 0.1, 0.2, 1.0e9]), Some(0.1));
+        assert_eq!(missing_after(0.2, &[0.0, 0.1, 1.0e9]), Some(0.1));
         // Rows later than the time are dropped; a single row gives no interval.
         assert_eq!(missing_after(0.05, &times), None);
         assert_eq!(missing_after(9.0, &[0.0, 0.0]), None);

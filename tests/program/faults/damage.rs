@@ -63,19 +63,44 @@ fn times_and_counts_that_were_damaged_are_mended_from_the_copy_or_the_file_is_se
             let resumed = talcum(0, &arguments(&run_in(folder.path(), &["--resume"])));
             assert_eq!(resumed.digest(), digest);
             let is_told = resumed.errors.contains("cannot be continued");
-            // A last time that is no number may be room that was never filled, if nothing says how many rows there were.
-            let is_last = damage.contains("[-1]");
-            assert_eq!(
-                is_told,
-                !has_copy && !is_last,
-                "{damage}, copy: {has_copy}: {}",
-                resumed.errors
-            );
+            assert_eq!(is_told, !has_copy, "{damage}, copy: {has_copy}: {}", resumed.errors);
             assert_eq!(count_unreadable(folder.path()), usize::from(is_told), "{damage}");
             if has_copy {
                 assert_eq!(python(&path, count), expected, "{damage}");
             }
         }
+    }
+}
+
+#[test]
+fn rows_of_a_file_without_its_copy_are_lost_with_a_warning_if_their_time_seems_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let digest = talcum(0, &arguments(&run_in(folder.path(), &[]))).digest();
+    fs::remove_file(folder.path().join("profiles.h5.metadata")).unwrap();
+    python(&folder.path().join("profiles.h5"), "f['time'][-1] = 1e9");
+    for is_lost in [true, false] {
+        let resumed = talcum(0, &arguments(&run_in(folder.path(), &["--resume"])));
+        assert_eq!(resumed.digest(), digest);
+        let warning = "profiles.h5.metadata is not there";
+        assert_eq!(resumed.errors.contains(warning), is_lost, "{}", resumed.errors);
+    }
+}
+
+#[test]
+fn a_row_of_one_wall_whose_time_seems_later_is_lost_with_a_warning() {
+    for (time, is_lost) in [("1e9", true), ("0.1", false)] {
+        let folder = tempfile::tempdir().unwrap();
+        let more = ["--set", "output.walls=0.01"];
+        let digest = talcum(0, &arguments(&run_in(folder.path(), &more))).digest();
+        let path = folder.path().join("walls.csv");
+        let text = fs::read_to_string(&path).unwrap();
+        let (rows, last) = text.trim_end().rsplit_once("\n0.1,").unwrap();
+        fs::write(&path, format!("{rows}\n{time},{last}\n")).unwrap();
+        let more = [&more[..], &["--resume"]].concat();
+        let resumed = talcum(0, &arguments(&run_in(folder.path(), &more)));
+        assert_eq!(resumed.digest(), digest);
+        let warning = "walls.csv: its rows end at time 0.09, before 0.1";
+        assert_eq!(resumed.errors.contains(warning), is_lost, "{}", resumed.errors);
     }
 }
 

@@ -72,6 +72,28 @@ fn a_terminal_that_goes_away_ends_it() {
 }
 
 #[test]
+fn a_terminal_that_goes_away_while_it_is_drawn_on_ends_it_too() {
+    for milliseconds in 0..20 {
+        let mut shown = Shown::start();
+        // Each of these keys draws the curves anew.
+        shown.keyboard.write_all(&[b'l'; 200]).unwrap();
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        drop(std::mem::replace(&mut shown.keyboard, File::open("/dev/null").unwrap()));
+        assert_eq!(shown.end().code(), Some(0), "{milliseconds}");
+    }
+}
+
+#[test]
+fn a_signal_ends_it_also_in_a_terminal_that_takes_no_more() {
+    let mut shown = Shown::start();
+    // What is drawn for each of these keys is not read: the terminal's buffer fills up.
+    shown.keyboard.write_all(&[b'l'; 3000]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    signal("TERM", shown.program.id());
+    assert_eq!(shown.end().code(), Some(0));
+}
+
+#[test]
 fn a_signal_ends_it_also_behind_half_of_an_escape_sequence() {
     for name in ["TERM", "HUP", "INT"] {
         for typed in ["", "\x1b["] {

@@ -113,7 +113,8 @@ impl FakeRun {
                 let rows = format!("time [s],bed_top [d]\n0,0\n4,{value}\n");
                 let text = format!("# talcum_version: 9\n# commit: abc\n{rows}");
                 std::fs::write(self.folder.join("series.csv"), text).unwrap();
-                std::fs::write(self.folder.join("complete"), "digest 0123\n").unwrap();
+                let digest = "0123".repeat(8);
+                std::fs::write(self.folder.join("complete"), format!("digest {digest}\n")).unwrap();
                 Exit { success: true, description: String::new() }
             }
             Err(reason) => Exit { success: false, description: reason.clone() },

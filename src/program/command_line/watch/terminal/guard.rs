@@ -8,7 +8,7 @@ use std::io::{self, stdout};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time between checks of the flag of signals.
 const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
@@ -22,11 +22,21 @@ pub(super) fn guard(stop: Arc<AtomicBool>) -> io::Result<()> {
         while !stop.load(Ordering::Relaxed) && !has_gone() {}
         stop.store(true, Ordering::Relaxed);
         thread::sleep(GRACE);
-        // Nothing is left to restore if the terminal has gone.
-        let _ = ratatui::try_restore();
-        std::process::exit(0);
+        restore_within(GRACE);
+        // Without the clean-up of a program's end, which would wait for that writer too.
+        signal_hook::low_level::exit(0);
     })?;
     Ok(())
+}
+
+/// Restores the terminal, unless that takes too long: a terminal that takes no more, over a connection that hangs, blocks
+/// whoever writes to it. Nothing is left to restore if the terminal has gone.
+fn restore_within(time: Duration) {
+    let begin = Instant::now();
+    let restoring = thread::Builder::new().spawn(ratatui::try_restore);
+    while restoring.as_ref().is_ok_and(|thread| !thread.is_finished()) && begin.elapsed() < time {
+        thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// Waits briefly, and returns whether the terminal has hung up.

@@ -12,6 +12,7 @@ use crate::command_line::signals::stop_flag;
 use anyhow::Context;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use std::mem::ManuallyDrop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -26,10 +27,12 @@ const PATIENCE: Duration = Duration::from_millis(100);
 pub(super) fn show(run: &mut WatchedRun, columns: &[String]) -> anyhow::Result<()> {
     let stop = stop_flag()?;
     guard(Arc::clone(&stop)).context("no thread can be started")?;
-    let mut terminal =
-        ratatui::try_init().context("the terminal cannot be drawn on; try --once")?;
+    let terminal = ratatui::try_init().context("the terminal cannot be drawn on; try --once")?;
+    // When dropped, it would print an error to a terminal that has gone, and panic.
+    let mut terminal = ManuallyDrop::new(terminal);
     let ended = follow(&mut terminal, run, columns, &stop);
     // Nothing is left to restore if the terminal has gone, and nobody can be shown an error.
+    let _ = terminal.show_cursor();
     let _ = ratatui::try_restore();
     if ended.is_err() && has_gone() { Ok(()) } else { ended }
 }
