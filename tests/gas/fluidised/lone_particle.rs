@@ -45,16 +45,9 @@ fn fall(
     rise - velocities.iter().sum::<f64>() / 30.0 / terminal
 }
 
-#[test]
-fn a_sphere_falls_as_fast_as_its_drag_law_says() {
-    for (of, cells, rise) in [
-        (TERMINAL[0], [6.0, 0.0], 1.02),
-        (TERMINAL[0], [3.0, 0.0], 1.065),
-        (TERMINAL[0], [1.5, 4.0], 1.025),
-        (TERMINAL[1], [3.0, 0.0], 1.15),
-        (TERMINAL[1], [2.0, 0.0], 1.22),
-        (TERMINAL[1], [1.5, 0.0], 1.27),
-    ] {
+/// Compares the speeds in cells of so many diameters, with a filter of so many, with the law's.
+fn compare(cases: &[((f64, f64), [f64; 2], f64)]) {
+    for &(of, cells, rise) in cases {
         let with = fall(of, cells, (true, 1.0));
         let without = fall(of, cells, (false, rise));
         println!("{of:?} {cells:?}: {with:.4}, without the correction {without:.4}");
@@ -63,4 +56,20 @@ fn a_sphere_falls_as_fast_as_its_drag_law_says() {
         // Control.
         assert!(without > 1.015 && (without - 1.0).abs() > 3.0 * (with - 1.0).abs(), "{without}");
     }
+}
+
+#[test]
+fn a_sphere_falls_as_fast_as_its_drag_law_says() {
+    compare(&[(TERMINAL[0], [1.5, 4.0], 1.025), (TERMINAL[1], [1.5, 0.0], 1.27)]);
+}
+
+#[test]
+#[ignore = "a minute; its rows are in docs/verification.md"]
+fn a_sphere_falls_as_fast_as_its_drag_law_says_in_wider_cells() {
+    compare(&[
+        (TERMINAL[0], [6.0, 0.0], 1.02),
+        (TERMINAL[0], [3.0, 0.0], 1.065),
+        (TERMINAL[1], [3.0, 0.0], 1.15),
+        (TERMINAL[1], [2.0, 0.0], 1.22),
+    ]);
 }

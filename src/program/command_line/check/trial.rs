@@ -9,9 +9,9 @@ use talcum_runs::case::{Amount, BedStart, Case, Stage};
 use talcum_runs::simulation::{InitialState, start_from_case};
 
 /// Duration of the trial of the first steps.
-const FIRST_STEPS: Duration = Duration::from_millis(500);
+const FIRST_STEPS: Duration = Duration::from_millis(200);
 /// Duration of the trials of all stages together in a dense bed.
-const DENSE_BED: Duration = Duration::from_millis(500);
+const DENSE_BED: Duration = Duration::from_millis(200);
 
 /// Results of the trials of a case.
 pub(super) struct Trials {
