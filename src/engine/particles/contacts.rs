@@ -15,6 +15,7 @@ use super::places::Places;
 use super::range::ListRange;
 use super::{InnerList, InteractionRanges, PairCounts, Particles};
 use crate::domain::PosedWalls;
+use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 use std::ops::Range;
 use thiserror::Error;
@@ -49,6 +50,16 @@ impl WallPair {
     }
 }
 
+/// The facets of a mesh that have to be evaluated for a particle while it is near the place where they were found. It
+/// saves work and changes no result.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MeshMargin {
+    /// The place, relative to the mesh.
+    pub(crate) place: Vector3<f64>,
+    /// All other facets are at least so far from the surface of the particle there; 0 before they are known.
+    pub(crate) gap: f64,
+}
+
 /// The pairs of the neighbour list, of particles and of particles with walls, and their contact histories.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
@@ -62,6 +73,10 @@ pub struct Contacts {
     /// Whether the wall may act on the particle in each of these pairs. Of the facets of a mesh that a particle touches,
     /// one acts for all that are one contact.
     pub(crate) wall_acts: Vec<bool>,
+    /// For the first pair of each particle with each mesh: how far the particle may move until another facet is near.
+    pub(crate) mesh_margins: Vec<MeshMargin>,
+    /// Whether the facet of each of these pairs is evaluated until then.
+    pub(crate) facet_is_close: Vec<bool>,
     pub(crate) wall_touching: Vec<bool>,
     /// State of these contacts; zero for those that do not touch.
     pub(crate) wall_state: Vec<ContactState>,
@@ -235,6 +250,8 @@ impl Contacts {
         self.wall_pairs.sort_unstable(); // in a bed of one species they are sorted already
         let is_whole = |pair: &WallPair| walls.walls[pair.wall as usize].mesh().is_none();
         self.wall_acts = self.wall_pairs.iter().map(is_whole).collect();
+        self.mesh_margins = vec![MeshMargin::default(); self.wall_pairs.len()];
+        self.facet_is_close = vec![true; self.wall_pairs.len()];
         self.wall_touching.clear();
         self.wall_touching.resize(self.wall_pairs.len(), false);
         self.wall_state.clear();

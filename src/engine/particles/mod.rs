@@ -28,8 +28,8 @@ pub use columns::{Column, Columns};
 pub use contact_state::{
     ContactHistories, ContactHistory, ContactRecord, ContactState, WallContactRecord,
 };
-pub(crate) use contacts::WallPair;
 pub use contacts::{Contacts, LostContact};
+pub(crate) use contacts::{MeshMargin, WallPair};
 pub use custom_fields::CustomFields;
 pub(crate) use ghosts::{drift_copies, follow_originals};
 pub(crate) use inner_list::{InnerList, InteractionRanges, PairCounts, PairGroup};

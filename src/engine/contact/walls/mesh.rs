@@ -1,8 +1,12 @@
 //! The contacts of particles with meshes: which of the touched facets act, and the histories that go with them.
 
 use crate::domain::{Feature, Mesh, PosedWalls, WallPose};
-use crate::particles::{Contacts, Particles, WallPair};
+use crate::particles::{Contacts, MeshMargin, Particles, WallPair};
+use nalgebra::Vector3;
 use std::ops::Range;
+
+/// Gap over the radius of a particle up to which a facet is evaluated at each step.
+const MARGIN: f64 = 0.03;
 
 /// A facet on which a particle may feel a force.
 struct TouchedFacet {
@@ -59,30 +63,46 @@ impl NearMesh<'_> {
     fn find_touched(
         &self,
         particles: &Particles,
-        contacts: &Contacts,
+        contacts: &mut Contacts,
         range: f64,
         touched: &mut Vec<TouchedFacet>,
     ) {
         touched.clear();
         let body = &particles.body[contacts.wall_pairs[self.slots.start].particle as usize];
         let place = self.pose.seen_at_rest(&body.position);
-        for slot in self.slots.clone() {
+        let margin = &contacts.mesh_margins[self.slots.start];
+        let is_valid = (place - margin.place).norm() + range < margin.gap;
+        if !is_valid {
+            self.find_close(contacts, place, body.radius, range);
+        }
+        for slot in self.slots.clone().filter(|&slot| contacts.facet_is_close[slot]) {
             let facet = contacts.wall_pairs[slot].facet;
-            if !self.mesh.may_be_near(&place, facet, body.radius + range) {
+            if self.mesh.least_distance(&place, facet) - body.radius > range {
                 continue;
             }
             let found = self.mesh.nearest_on(&place, facet);
             let (distance, nearest) = (found.from.distance, found.feature);
             if distance - body.radius <= range {
-                touched.push(TouchedFacet {
-                    slot,
-                    facet,
-                    distance,
-                    nearest,
-                    parent: touched.len(),
-                });
+                let parent = touched.len();
+                touched.push(TouchedFacet { slot, facet, distance, nearest, parent });
             }
         }
+    }
+
+    /// Finds the facets that a particle at a place may touch until it has moved by a margin.
+    fn find_close(&self, contacts: &mut Contacts, place: Vector3<f64>, radius: f64, range: f64) {
+        let close = range + MARGIN * radius;
+        let mut gap = f64::INFINITY;
+        for slot in self.slots.clone() {
+            let facet = contacts.wall_pairs[slot].facet;
+            let here = self.mesh.least_distance(&place, facet) - radius;
+            let is_close = here <= close;
+            contacts.facet_is_close[slot] = is_close;
+            if !is_close {
+                gap = gap.min(here);
+            }
+        }
+        contacts.mesh_margins[self.slots.start] = MeshMargin { place, gap };
     }
 }
 
@@ -101,6 +121,9 @@ fn root_of(touched: &[TouchedFacet], mut place: usize) -> usize {
 
 /// Connects touched facets that share a smooth edge.
 fn connect(mesh: &Mesh, touched: &mut [TouchedFacet]) {
+    if touched.len() < 2 {
+        return;
+    }
     for place in 0..touched.len() {
         for other in smooth_neighbours(mesh, touched[place].facet) {
             let Some(other) = place_of(touched, other) else { continue };

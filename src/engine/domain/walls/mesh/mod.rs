@@ -142,10 +142,10 @@ impl Mesh {
         self.tree.facets_near(point, distance)
     }
 
-    /// Whether a facet may be nearer to a point than this distance. It is so for all that are, and for few others.
+    /// A lower bound of the distance of a point from a facet, which is the distance itself except beside a corner.
     #[inline(always)]
-    pub fn may_be_near(&self, point: &Vector3<f64>, facet: u32, distance: f64) -> bool {
-        self.planes[facet as usize].may_be_near(point, distance)
+    pub fn least_distance(&self, point: &Vector3<f64>, facet: u32) -> f64 {
+        self.planes[facet as usize].least_distance(point)
     }
 
     /// Distance and direction of a point from the nearest facet; among several, from that of the lowest number.

@@ -30,14 +30,13 @@ impl Mesh {
     /// It lies in the facet if the given point is above it, and else on the nearest of the corners and edges. Distances
     /// from an edge or a corner do not depend on the facet, to the bit, so facets that share it agree on its rank.
     pub fn nearest_on(&self, point: &Vector3<f64>, facet: u32) -> NearestOnFacet {
-        let of_facet = &self.facets[facet as usize];
-        let [_, inwards @ ..] = self.planes[facet as usize].heights(point);
+        let planes = &self.planes[facet as usize];
+        let [height, inwards @ ..] = planes.heights(point);
         if inwards.into_iter().all(|height| height >= 0.0) {
-            let corner = self.vertices[of_facet.vertices[0] as usize];
-            let height = of_facet.normal.dot(&(point - corner));
-            let from = FromSurface::above(height, of_facet.normal);
+            let from = FromSurface::above(height, planes.normal());
             return NearestOnFacet { from, feature: Feature::Facet(facet) };
         }
+        let of_facet = &self.facets[facet as usize];
         let offset_from = |vertex: u32| point - self.vertices[vertex as usize];
         let of_vertices = of_facet.vertices.map(|k| Some((offset_from(k), Feature::Vertex(k))));
         let of_edges =

@@ -33,6 +33,12 @@ impl Planes {
         }
     }
 
+    /// The unit normal of the facet.
+    #[inline(always)]
+    pub(super) fn normal(&self) -> Vector3<f64> {
+        Vector3::new(self.x[0], self.y[0], self.z[0])
+    }
+
     /// Heights of a point above the plane of the facet, and inwards above those of its edges.
     #[inline(always)]
     pub(super) fn heights(&self, point: &Vector3<f64>) -> [f64; 4] {
@@ -43,12 +49,11 @@ impl Planes {
         heights
     }
 
-    /// Whether the facet may be nearer to a point than a distance.
+    /// A lower bound of the distance of a point from the facet, which is the distance itself except beside a corner.
     #[inline(always)]
-    pub(super) fn may_be_near(&self, point: &Vector3<f64>, distance: f64) -> bool {
+    pub(super) fn least_distance(&self, point: &Vector3<f64>) -> f64 {
         let [above, edges @ ..] = self.heights(point);
-        let distance = distance * (1.0 + 20.0 * ROUNDING) + self.rounding;
         let outside = edges.into_iter().fold(0.0, f64::min);
-        above * above + outside * outside <= distance * distance
+        (above * above + outside * outside).sqrt() * (1.0 - 10.0 * ROUNDING) - self.rounding
     }
 }

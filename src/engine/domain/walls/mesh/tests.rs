@@ -91,22 +91,19 @@ fn the_tree_finds_what_a_search_of_all_facets_finds() {
 }
 
 #[test]
-fn planes_leave_out_no_near_facet_and_most_others() {
+fn bounds_of_distances_are_lower_ones_and_mostly_exact() {
     let mesh = waves();
-    let (mut kept, mut near) = (0, 0);
+    let (mut exact, mut count) = (0, 0);
     for probe in probes() {
         for facet in 0..mesh.facets().len() as u32 {
             let distance = mesh.nearest_on(&probe, facet).from.distance;
-            for reach in [distance, 0.4] {
-                let is_kept = mesh.may_be_near(&probe, facet, reach);
-                assert!(is_kept || distance > reach, "{probe} {facet} {distance} {reach}");
-            }
-            kept += usize::from(mesh.may_be_near(&probe, facet, 0.4));
-            near += usize::from(distance <= 0.4);
+            let bound = mesh.least_distance(&probe, facet);
+            assert!(bound <= distance, "{probe} {facet}: {bound} {distance}");
+            count += usize::from(distance < 0.4);
+            exact += usize::from(distance < 0.4 && bound > distance - 1.0e-12);
         }
     }
-    // Those beside a corner of the facet are also kept.
-    assert!(kept < near + near / 2, "{kept} {near}");
+    assert!(2 * exact > count, "{exact} {count}");
 }
 
 #[test]
