@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import random
+import shlex
 import shutil
 import subprocess
 import sys
@@ -12,7 +13,8 @@ import time
 from pathlib import Path
 from typing import Callable, NamedTuple
 
-from . import damage, decompositions, inputs, interruptions
+from . import (damage, decompositions, disks, inputs, interruptions, laws, names, numbers, options, readers, streams, studies,
+               terminals, visitors)  # fmt: skip
 from .campaign import Campaign
 from .program import ROOT, TIMES, Broken, Context
 
@@ -35,6 +37,20 @@ KINDS = {
     "inputs": Kind(inputs.inputs, 2_000),
     "cases": Kind(inputs.cases, 100_000),
     "decompositions": Kind(decompositions.decompositions, 2_000),
+    "study-kills": Kind(studies.kills, 3_000),
+    "study-kills-at-calls": Kind(studies.kills_at_calls, 2_000),
+    "study-faults": Kind(studies.faults, 2_000),
+    "study-damage": Kind(studies.damage, 1_000),
+    "numbers": Kind(numbers.numbers, 8_000),
+    "full-disks": Kind(disks.disks, 500),
+    "requests": Kind(visitors.requests, 10_000),
+    "terminals": Kind(terminals.terminals, 500),
+    "streams": Kind(streams.streams, 2_000),
+    "limits": Kind(streams.limits, 1_000),
+    "options": Kind(options.options, 2_000),
+    "names": Kind(names.names, 500),
+    "readers": Kind(readers.readings, 10_000),
+    "laws": Kind(laws.laws, 1_000),
 }
 # A kind that breaks so often in one call is abandoned, because the reason is mostly the same.
 MOST_BROKEN = 20
@@ -50,10 +66,12 @@ def build_library(folder: Path) -> Path:
     return path
 
 
-def torture(kind: str, context: Context, campaign: Campaign, seconds: float, goal: float) -> int:
+def torture(kind: str, context: Context, campaign: Campaign, seconds: float, goal: float, pause: Path | None) -> int:
     """Tries one kind for some seconds, at least once, or until there are enough attempts; returns how many broke."""
     tally, began, broken = campaign.of(kind), time.monotonic(), 0
     while tally.attempts < goal and broken < MOST_BROKEN:
+        while pause is not None and pause.exists():
+            time.sleep(1.0)
         start = time.monotonic()
         try:
             tally.counts.update(KINDS[kind].attempt(context))
@@ -68,7 +86,7 @@ def torture(kind: str, context: Context, campaign: Campaign, seconds: float, goa
     return broken
 
 
-def options() -> argparse.Namespace:
+def read_options() -> argparse.Namespace:
     """The command-line arguments."""
     parser = argparse.ArgumentParser(prog="scripts/torture", description=__doc__)
     parser.add_argument("--minutes", type=float, default=2.0, help="for each kind (default: 2)")
@@ -79,6 +97,10 @@ def options() -> argparse.Namespace:
                              " kind was tried as often as a campaign requires")  # fmt: skip
     parser.add_argument("--patience", type=float, default=1.0,
                         help="allow this many times as long for a run to end, on a machine that does other work")  # fmt: skip
+    parser.add_argument("--mpirun", default="mpirun --bind-to none -n", help="starts ranks, followed by their number")
+    parser.add_argument("--alone", type=float, default=0.9, help="share of the runs that are started without it (default: 0.9)")
+    parser.add_argument("--pause", type=Path, metavar="FILE",
+                        help="wait while this file exists, for example while the machine is needed to measure times")  # fmt: skip
     parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "talcum")
     wanted = parser.parse_args()
     wanted.kinds = wanted.only.split(",") if wanted.only else list(KINDS)
@@ -90,7 +112,7 @@ def options() -> argparse.Namespace:
 
 def main() -> int:
     """Tries all kinds asked for; in a campaign in turn, until all have enough attempts."""
-    wanted = options()
+    wanted = read_options()
     TIMES[0] = wanted.patience
     campaign = Campaign.read(wanted.campaign)
     seed = time.time_ns() % 1_000_000 if wanted.seed is None else wanted.seed
@@ -99,12 +121,15 @@ def main() -> int:
     library = build_library(folder)
     print(f"seed {seed}; {wanted.minutes:g} minutes each; runs that break are kept in {folder}", flush=True)
     # Each kind has its own random sequence, whatever ran before it.
-    contexts = {kind: Context(wanted.program, library, folder, random.Random(f"{seed} {kind}")) for kind in wanted.kinds}
+    def context(kind: str) -> Context:
+        launcher = tuple(shlex.split(wanted.mpirun))
+        return Context(wanted.program, library, folder, random.Random(f"{seed} {kind}"), launcher, wanted.alone)
+    contexts = {kind: context(kind) for kind in wanted.kinds}
     goals = {kind: KINDS[kind].goal if wanted.campaign else float("inf") for kind in wanted.kinds}
     all_broken, left = 0, list(wanted.kinds)
     while left:
         for kind in left:
-            broken = torture(kind, contexts[kind], campaign, 60.0 * wanted.minutes, goals[kind])
+            broken = torture(kind, contexts[kind], campaign, 60.0 * wanted.minutes, goals[kind], wanted.pause)
             all_broken += broken
             campaign.write()
             for name, count in sorted(campaign.of(kind).counts.items()):

@@ -1,6 +1,9 @@
 //! Reads many cases in one process, for scripts/torture. Each line of the input is a request in JSON:
 //! `{"text": ..., "folder": ..., "set": [...]}` reads a case, makes its bed and does a few steps; `{"seal": PATH}` gives a file
-//! the checksum of a checkpoint. Each answer is a line: `taken`, `refused` or `panic`, and what was said.
+//! the checksum of a checkpoint; `{"law": ..., "number": ..., "beyond": ..., "ranks": ..., "ledger": ...}` runs a bed with an odd
+//! contact law. Each answer is a line: `taken`, `refused` or `panic`, and what was said.
+
+mod odd_laws;
 
 use serde_json::{Value, json};
 use std::fs::OpenOptions;
@@ -41,7 +44,8 @@ fn main() -> std::io::Result<()> {
 
 /// How a case goes.
 fn answer(request: &Value) -> (&'static str, String) {
-    match catch_unwind(|| try_case(request)) {
+    let attempt = if request["law"].is_string() { odd_laws::try_law } else { try_case };
+    match catch_unwind(|| attempt(request)) {
         Ok(Ok(message)) => ("taken", message),
         Ok(Err(message)) => ("refused", message),
         Err(panic) => {

@@ -57,8 +57,12 @@ class Context:
     library: Path
     folder: Path
     random: random.Random
+    # Starts ranks, followed by their number; and the share of runs that are started without it.
+    launcher: tuple[str, ...] = ("mpirun", "--bind-to", "none", "-n")
+    alone: float = 0.9
     references: dict[str, "Reference"] = field(default_factory=dict)
     case_reader: object = None
+    server: object = None
     # The actions on the present run, so that they can be repeated.
     history: list[str] = field(default_factory=list)
 
@@ -100,14 +104,15 @@ def environment(more: dict[str, str]) -> dict[str, str]:
     return {**os.environ, "RUST_LOG": "info", **settings, **QUICK_START, **more}
 
 
-def few_ranks(context: "Context", alone: float = 0.9) -> int:
-    """Returns 0 (without mpirun) with a given probability, otherwise 1, 2 or 3."""
-    return 0 if context.random.random() < alone else context.random.choice([1, 2, 2, 3])
+def few_ranks(context: "Context", alone: float | None = None) -> int:
+    """Returns 0 (without mpirun) with a given probability, by default that of all attempts, otherwise 1, 2 or 3."""
+    share = context.alone if alone is None else alone
+    return 0 if context.random.random() < share else context.random.choice([1, 2, 2, 3])
 
 
 def command(context: Context, ranks: int, arguments: list[str]) -> list[str]:
     """Runs alone if the number of ranks is 0, otherwise under mpirun."""
-    launcher = ["mpirun", "--bind-to", "none", "-n", str(ranks)] if ranks else []
+    launcher = [*context.launcher, str(ranks)] if ranks else []
     return [*launcher, str(context.program), *arguments]
 
 
@@ -137,7 +142,8 @@ def wait(process: subprocess.Popen[bytes], patience: float = PATIENCE) -> Ended:
             if second == int(patience):  # it has had all of its time
                 os.killpg(process.pid, signal.SIGKILL)
                 output, errors = process.communicate()
-    text = [part.decode(errors="replace") for part in (output, errors)]
+    # A stream that was not a pipe gives nothing.
+    text = [(part or b"").decode(errors="replace") for part in (output, errors)]
     return Ended(code, *text, time.monotonic() - began)
 
 

@@ -12,6 +12,7 @@ mod case_meaning;
 mod case_schema;
 mod checkpoints;
 mod coarse_graining;
+mod damaged_inputs;
 mod documented_fields;
 mod energy_table;
 mod failures;

@@ -3,7 +3,7 @@
  *   FAULT_PATH   only on files whose path contains this text
  *   FAULT_FROM   the first such call that fails, from 1; all after it fail too, or FAULT_COUNT of them
  *   FAULT_ERROR  the number of the error: 28 no space left, 5 input/output error; 0: the process is killed instead
- *   FAULT_RANK   only on this rank
+ *   FAULT_RANK   only on this rank, of Open MPI or MPICH
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -30,6 +30,7 @@ static long number(const char *name, long otherwise) {
 static int is_wanted(const char *call) {
     const char *wanted = getenv("FAULT_CALL");
     const char *rank = getenv("OMPI_COMM_WORLD_RANK"), *only = getenv("FAULT_RANK");
+    if (!rank) rank = getenv("PMI_RANK");
     return wanted && !strcmp(wanted, call) && (!only || !strcmp(only, rank ? rank : "0"));
 }
 
