@@ -56,7 +56,8 @@ impl ContactForceLaw for LinearSpring {
     }
 }
 
-/// Two particles of diameter and density 1 that meet head on in a box without walls; the speed at which they separate.
+/// Lets two particles of diameter and density 1 meet head on in a box without walls; returns the speed at which they
+/// separate.
 fn speed_of_rebound(law: LinearSpring, speed: f64) -> Result<f64, Box<dyn Error>> {
     let dt = law.contact_duration(0.5 * PI / 6.0, 0.25) / 200.0;
     let law = ContactLaw::custom("linear_spring", law);

@@ -107,8 +107,8 @@ def main(words: list[str] | None = None) -> None:
         picture = PAGE.parent / f"gallery-{entry.name}.png"
         entry.script.main([str(results), *entry.options, "--output", str(picture)])
         store(picture)
-    told = [part(name, seconds[name]) for name in known if name in seconds]
-    PAGE.write_text("\n".join([HEAD, *told]))
+    parts = [part(name, seconds[name]) for name in known if name in seconds]
+    PAGE.write_text("\n".join([HEAD, *parts]))
     print(f"page: {PAGE}")
 
 

@@ -66,7 +66,7 @@ class TestReadingPrograms(unittest.TestCase):
         with self.assertRaisesRegex(runs.BenchmarkError, "no such bed"):
             runs.execute(["sh", "-c", "echo no such bed; exit 3"])
 
-    def test_waiting_for_a_core_is_told_from_sleeping(self) -> None:
+    def test_waiting_for_a_core_is_distinguished_from_sleeping(self) -> None:
         seen = runs.Watched(ran={1: (900, 100), 2: (1000, 0)}, memory=[5.0] * 5 + [7.0] * 4 + [9.0])
         self.assertEqual((seen.share_of_cores, seen.usual_memory), (0.95, 7.0))
 

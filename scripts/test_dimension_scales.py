@@ -1,4 +1,4 @@
-"""Tests that the program's files tell other tools which dataset holds times and heights."""
+"""Tests that the program's files show other tools which dataset holds times and heights."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ class TestCurves(ScriptTest):
         self.assertEqual(share_kept(found, 0.05), [0.6])
         self.assertEqual(share_kept(found, 0.07), [])  # not looked at
 
-    def test_lifetimes_are_told_by_t_0_where_there_are_several(self) -> None:
+    def test_lifetimes_are_given_by_t_0_where_there_are_several(self) -> None:
         found = curves.table(self.folder, "agglomerates")
         assert found is not None
         self.assertEqual(breakage.told_by_window(found, 0.05), "none")  # the control: one window
@@ -240,7 +240,7 @@ class TestCurves(ScriptTest):
         self.assertEqual(section.statements[1].measured, "it: 1.250")
         self.assertEqual(section.table[1][:4], ["it", "one factor, 0.2", "0.2", "4,000"])  # heights in mm
 
-    def test_the_page_tells_of_breakage(self) -> None:
+    def test_the_page_has_breakage(self) -> None:
         command.main(PAPER, ["--results", str(self.folder)])
         page = (self.folder / "liu2016.html").read_text()
         self.assertIn("<td>rho250vdw20ug4: 0.6</td>", page)
@@ -260,7 +260,7 @@ class TestNumbers(unittest.TestCase):
         self.assertEqual([curves.nominal_bond_number(250.0, force) for force in (0.0, 1.7e-9, 4.1e-9, 8.2e-9)], [0, 20, 50, 100])
         self.assertEqual(curves.nominal_bond_number(137.0, 1.7e-9), 40)  # the control: of a lighter particle it is larger
 
-    def test_trends_are_told_in_the_unit_that_is_asked_for(self) -> None:
+    def test_trends_are_given_in_the_unit_that_is_asked_for(self) -> None:
         values = {case: Estimate(mean, mean, mean, 1) for case, mean in (("rho250vdw5ug4", 2.0e-6), ("rho250vdw10ug4", 3.0e-6))}
         self.assertEqual(trends("it", values, {"Bond number": True}, 1.0e6)[0].measured, "2 to 3")
         self.assertEqual(trends("it", values, {"Bond number": True})[0].measured, "2e-06 to 3e-06")

@@ -167,12 +167,12 @@ class TestReport(ScriptTest):
         self.assertEqual(kept.tension(), (0.9, 0.375, 2.0))
         np.testing.assert_allclose(kept.solids_fraction, profiles.solids_fraction)
 
-    def test_parts_of_a_bed_are_told_by_their_means(self) -> None:
+    def test_parts_of_a_bed_are_given_by_their_means(self) -> None:
         file = self.folder / "points.csv"
         ends = ",".join(f"{name}{end}" for name in ("share", "frozen_share", "plug_share") for end in ("", "_lower", "_upper"))
         file.write_text(f"{HEAD}bond_number,runs,{ends}\n4,2,0.75,0.5,1,0.25,0,0.5,0,0,0\n8,2,0,0,0,0.5,0,1,0.5,0,1\n")
-        told = "4: waves 0.75, still 0.25, plug 0.00; 8: waves 0.00, still 0.50, plug 0.50"
-        self.assertEqual(tables.parts(read_study_table(file), "bond_number"), told)
+        expected = "4: waves 0.75, still 0.25, plug 0.00; 8: waves 0.00, still 0.50, plug 0.50"
+        self.assertEqual(tables.parts(read_study_table(file), "bond_number"), expected)
 
     def test_waves_come_back_where_they_sweep_half_of_the_material(self) -> None:
         file = self.folder / "runs.csv"
@@ -233,9 +233,9 @@ class TestReport(ScriptTest):
         # Errors of +e, -e, -e, +e about the line 0.022 - 0.7 (phi - 0.652): e / sqrt(2) at the middle, where the interval is 4.303 times as wide.
         packings, e = [0.642, 0.647, 0.657, 0.662], 1.0e-4
         velocities = [0.029 + e, 0.0255 - e, 0.0185 - e, 0.015 + e]
-        told = fluidisation.at_the_papers_packing(packings, velocities)
-        self.assertTrue(told.measured.startswith("0.0220 (0.0217 to 0.0223), by a line through 4 shaken beds"), told.measured)
-        self.assertIs(told.agrees, True)
+        found = fluidisation.at_the_papers_packing(packings, velocities)
+        self.assertTrue(found.measured.startswith("0.0220 (0.0217 to 0.0223), by a line through 4 shaken beds"), found.measured)
+        self.assertIs(found.agrees, True)
         self.assertIs(fluidisation.at_the_papers_packing(packings, [u + 5.0 * e for u in velocities]).agrees, False)
         self.assertIsNone(fluidisation.at_the_papers_packing(packings[:2], velocities[:2]).agrees)
 

@@ -99,8 +99,8 @@ class TestRun(unittest.TestCase):
         self.assertEqual(list(self.names["late"]["time"]), [2.0, 2.5, 3.0, 3.5, 4.0])
 
     def test_the_digest_is_that_of_the_program(self) -> None:
-        told = subprocess.run([program(), "info", str(self.bed.newest_checkpoint)], capture_output=True, text=True)
-        self.assertIn(f"digest {self.bed.digest}", told.stdout)
+        printed = subprocess.run([program(), "info", str(self.bed.newest_checkpoint)], capture_output=True, text=True)
+        self.assertIn(f"digest {self.bed.digest}", printed.stdout)
         self.assertRegex(self.bed.digest, "^[0-9a-f]{32}$")
 
     def test_what_was_set_is_in_the_case(self) -> None:

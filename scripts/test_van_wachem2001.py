@@ -21,7 +21,7 @@ def swing(frequency: float, amplitude: float, end: float = 12.2) -> Signal:
 
 
 class TestBesideExperiment(ScriptTest):
-    """A run whose bed swings as often as it is told."""
+    """A run whose bed swings a given number of times."""
 
     def write_run(self, frequency: float, end: float = 12.2) -> None:
         """The series and the probe of a run."""

@@ -89,7 +89,7 @@ def model() -> str:
     tall = scaling.model_table(load)
     cubes = scaling.model_table(scaling.replace(load, columns=False, gas_nodes=75))
     words = f"Each rank computes {rate * 1e-6:.1f} million particle-steps per second."
-    return f"{words} Columns of a bed 52 d high:\n\n{tall}\n\nCubes of a bed with a column of gas:\n\n{cubes}"
+    return f"{words} Columns of a bed 52 d high:\n\n{tall}\n\nCubes of a bed with a column gas:\n\n{cubes}"
 
 
 # What can be measured, by the name of its place in docs/performance-tables.md.

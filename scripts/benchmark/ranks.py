@@ -20,7 +20,7 @@ WEAK = Bed("24,000 per rank, settled", "settled-48000", 48_000, STRONG.steps, ST
 # Copies of the settled bed of 24,000: out of every cache.
 LARGEST = Bed("1,944,000 settled", "settled-1944000", 1_944_000, 20, 0)
 RANKS = (1, 2, 4, 8)
-# Ranks that wait for each other on shared cores are slow: fewer steps tell as much about the bits.
+# Ranks that wait for each other on shared cores are slow: fewer steps say as much about the bits.
 STEPS_OF_DIGESTS = 100
 
 

@@ -56,7 +56,7 @@ class Finished:
 
 
 def environment(ranks: int) -> dict[str, str]:
-    """Open MPI refuses root, and more ranks than cores, unless it is told that this is meant; one thread each."""
+    """Open MPI refuses root, and more ranks than cores, unless a variable says that this is meant; one thread each."""
     more = {"OMP_NUM_THREADS": "1", "RUST_LOG": "info"}
     if os.getuid() == 0:
         more |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}

@@ -26,8 +26,8 @@ fn warned_only_with(name: &str, changes: &[&str], words: &str) {
 }
 
 #[test]
-fn numbers_of_the_bed_and_the_gas_are_told_with_their_units() {
-    let told = check("fluidised", &[]).output;
+fn numbers_of_the_bed_and_the_gas_are_printed_with_their_units() {
+    let output = check("fluidised", &[]).output;
     for expected in [
         "the bed at rest",
         "density of solid over gas",
@@ -40,13 +40,13 @@ fn numbers_of_the_bed_and_the_gas_are_told_with_their_units() {
         "overlap of an impact",
         " m/s at phi 0.60",
     ] {
-        assert!(told.contains(expected), "{expected}: {told}");
+        assert!(output.contains(expected), "{expected}: {output}");
     }
-    let told = check("rank-equality", &[]).output;
+    let output = check("rank-equality", &[]).output;
     for expected in
         ["pull-off force ", "work of separation ", "impacts stick ", " sqrt(g d) at phi 0.60"]
     {
-        assert!(told.contains(expected), "{expected}: {told}");
+        assert!(output.contains(expected), "{expected}: {output}");
     }
 }
 

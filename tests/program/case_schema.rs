@@ -132,7 +132,7 @@ fn the_schema_of_studies_refuses_wrong_values_keys_and_partners() {
     }
 }
 
-/// Negative control: what a table can tell without the rest of the file is refused.
+/// Negative control: what a table shows without the rest of the file is refused.
 #[test]
 fn the_schema_refuses_wrong_values_keys_and_partners() {
     let judged = judged("tests/cases/bad");

@@ -181,7 +181,7 @@ fn parcels_have_one_digest_on_any_ranks_and_begin_with_parcels_only() {
 }
 
 #[test]
-fn check_tells_of_parcels_and_of_their_particles() {
+fn check_describes_parcels_and_their_particles() {
     let check = |changes: &[&str]| {
         let file = file();
         let set = changes.iter().flat_map(|change| ["--set", change]);

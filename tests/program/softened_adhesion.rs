@@ -52,7 +52,7 @@ fn check_prints_the_springs_part_of_moons_law_and_warns_above_a_tenth() {
 }
 
 #[test]
-fn check_tells_the_work_of_parting_of_every_law_with_adhesion() {
+fn check_prints_the_work_of_parting_of_every_law_with_adhesion() {
     let cases = [
         ("cohesive-column.toml", "linear_spring_dashpot"),
         ("adhesive-elastic-plastic.toml", "adhesive_elastic_plastic"),
@@ -70,12 +70,12 @@ fn check_tells_the_work_of_parting_of_every_law_with_adhesion() {
         "contact.adhesion_stiffness=1e4",
         "contact.wall={ adhesion_stiffness = 0.0 }",
     ];
-    let mut told =
+    let mut outputs =
         vec![cohesive("hertz_mindlin", &hertz), cohesive("linear_hysteretic", &hysteretic)];
-    told.extend(cases.iter().map(|(name, _)| check(name, &[])));
+    outputs.extend(cases.iter().map(|(name, _)| check(name, &[])));
     // All laws of the registry: the two above and the three cases.
-    assert_eq!(told.len(), ContactLaw::NAMES.len());
-    for output in told {
+    assert_eq!(outputs.len(), ContactLaw::NAMES.len());
+    for output in outputs {
         assert!(number_after(&output, "work of separation") > 0.0, "{output}");
     }
     // Where all of the work depends on the stiffness it is compared with the real particles': E^(2/3) of JKR.
@@ -83,7 +83,7 @@ fn check_tells_the_work_of_parting_of_every_law_with_adhesion() {
     let jkr = check("jkr-round-column.toml", &softened);
     assert!((number_after(&jkr, "the stiffness; ") - 100.0).abs() < 0.5, "{jkr}");
     assert!(jkr.contains(WARNING));
-    // Negative control: without adhesion there is nothing to tell.
+    // Negative control: without adhesion there is nothing to print.
     let plain = check("plain.toml", &[]);
     assert!(!plain.contains("work of separation"), "{plain}");
 }

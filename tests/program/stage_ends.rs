@@ -57,9 +57,9 @@ fn a_key_of_a_section_can_be_set_where_the_stage_says_on() {
     let all = [set("vibration.gamma=2.0"), set("vibration.frequency=1.0"), off, on].concat();
     let other = set("stage.gas on.vibration.gamma=4.5");
     let check = |more: &[&str]| talcum(0, &[&["check", case.as_str()][..], &all, more].concat());
-    let told = |ended: &Ended| ended.output.matches("4.5000, 1.0000").count();
+    let printed = |ended: &Ended| ended.output.matches("4.5000, 1.0000").count();
     let (usual, changed) = (check(&[]), check(&other));
     assert_eq!((usual.code(), changed.code()), (Some(0), Some(0)), "{}", changed.errors);
-    assert_eq!(told(&usual), 0, "{}", usual.output);
-    assert!(told(&changed) > 0, "{}", changed.output);
+    assert_eq!(printed(&usual), 0, "{}", usual.output);
+    assert!(printed(&changed) > 0, "{}", changed.output);
 }

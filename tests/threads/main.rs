@@ -28,7 +28,7 @@ fn on_threads(threads: usize, case: &str, output: &Path, more: &[&str]) -> Ended
 fn the_smoke_cases_give_the_digests_of_the_repository_on_any_number_of_threads() {
     let text = fs::read_to_string(in_repository("tests/golden.toml")).unwrap();
     let expected: BTreeMap<String, String> = toml::from_str(&text).unwrap();
-    // A column of gas, and a volume-averaged gas, whose pressure all ranks solve for together.
+    // A column gas, and a volume-averaged gas, whose pressure all ranks solve for together.
     for case in ["rank-equality", "fluidised"] {
         for threads in [1, 2, 4] {
             let folder = tempfile::tempdir().unwrap();

@@ -17,7 +17,7 @@ from .tables import parts, source, sources, states, table
 
 TITLE = "Moon, Kevrekidis & Sundaresan (2006) with Talcum"
 INTRODUCTION = (
-    "Beds of 3,000 particles, 5 d x 5 d wide and about 100 d deep, in a column of gas; all numbers are dimensionless "
+    "Beds of 3,000 particles, 5 d x 5 d wide and about 100 d deep, in a column gas; all numbers are dimensionless "
     "(rho_s = d = g = 1; St 55, k_n 2e5, e 0.9, mu 0.1). Intervals are those of 95 % confidence over the seeds of the bed."
 )
 

@@ -1,5 +1,5 @@
-//! Load balancing: how long ranks work is measured, whether that is uneven enough is decided, and cut planes are chosen that
-//! give every rank about the same work. None of it changes a result.
+//! Load balancing: measures how long ranks work, decides whether their loads are uneven, and chooses cut planes that give
+//! every rank about the same work. None of it changes a result.
 
 mod checks;
 mod cut_planes;
@@ -14,7 +14,7 @@ use crate::parallel::Communicator;
 use crate::particles::{Contacts, Particles};
 use crate::timers::Timers;
 
-/// What becomes of the cut planes of a run.
+/// The loads of a run's ranks, and the cut planes that follow from them.
 #[derive(Debug, Default)]
 pub struct LoadBalance {
     /// When ranks check their loads; `None` if planes never move.
@@ -26,19 +26,19 @@ pub struct LoadBalance {
 }
 
 impl LoadBalance {
-    /// Planes that move at these checks.
+    /// Balances loads at these checks; planes never move without them.
     pub fn new(checks: Option<Balance>) -> Self {
         Self { checks, ..Self::default() }
     }
 
-    /// Begins to count steps at the first of a run.
+    /// Begins to count steps, at the first step of a run.
     pub fn begin(&mut self, step: u64) {
         if let Some(checks) = &mut self.checks {
             checks.begin(step);
         }
     }
 
-    /// Notes how long the step before took, if cut planes follow from it.
+    /// Notes how long the previous step took, if planes may move.
     pub fn note_step(&mut self, timers: &Timers) {
         if self.checks.is_some() {
             self.step_times.note(timers);
@@ -55,7 +55,7 @@ impl LoadBalance {
         self.planned.is_some()
     }
 
-    /// The planes to which particles go now, if others than before.
+    /// Takes the planned decomposition, into which particles move now.
     pub fn take_plan(&mut self) -> Option<Decomposition> {
         self.planned.take()
     }

@@ -94,7 +94,7 @@ mod tests {
             times.note(&timers);
         }
         let LoadTimes { on_particles, on_pairs } = times.take_mean();
-        assert_eq!(times.take_mean(), LoadTimes::default(), "nothing has come since");
+        assert_eq!(times.take_mean(), LoadTimes::default(), "there are no steps since");
         [on_particles, on_pairs].map(|time| 1.0e6 * time.as_secs_f64())
     }
 
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_came_before_the_first_step_does_not_count() {
+    fn time_before_the_first_step_does_not_count() {
         let (mut timers, mut times) = (Timers::default(), StepTimes::default());
         timers.add(Phase::Contacts, Duration::from_micros(9_000));
         times.note(&timers);
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn of_very_many_steps_the_last_are_kept() {
+    fn the_last_of_very_many_steps_are_kept() {
         let steps = (0..2 * RecentDurations::MOST)
             .map(|n| if n < RecentDurations::MOST { 500 } else { 100 });
         assert_close(mean_of(steps), [25.0, 75.0]);

@@ -131,7 +131,7 @@ impl Foreign {
     }
 
     /// Sends a record about each of them to its owner; returns the records received here. Collective.
-    pub(crate) fn tell<T: Pod>(
+    pub(crate) fn notify<T: Pod>(
         &self,
         record: impl Fn(usize) -> T,
         ranks: &dyn Communicator,
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn owners_are_told_and_answer() {
+    fn owners_are_notified_and_answer() {
         for n in 1..=4 {
             run_on_threads(n, |ranks| {
                 let owned =
@@ -241,10 +241,10 @@ mod tests {
                     assert_eq!(answer, if id < 40 { id + 1000 } else { 0 });
                     assert_eq!(foreign.place_of(id).is_some(), id < 40);
                 }
-                let mut told = foreign.tell(|place| foreign.ids()[place], ranks);
-                told.sort_unstable();
+                let mut received = foreign.notify(|place| foreign.ids()[place], ranks);
+                received.sort_unstable();
                 let expected = owned.ids().iter().flat_map(|&id| vec![id; n - 1]);
-                assert_eq!(told, expected.collect::<Vec<_>>());
+                assert_eq!(received, expected.collect::<Vec<_>>());
             });
         }
     }

@@ -67,9 +67,9 @@ mod tests {
 
     #[test]
     fn numbers_are_printed_to_six_digits_whatever_their_size() {
-        let told =
+        let printed =
             [0.0020000000000000018, 123456.789, -1.0, 0.0].map(|x| six_digits(x).to_string());
-        assert_eq!(told, ["0.002", "123457", "-1", "0"]);
+        assert_eq!(printed, ["0.002", "123457", "-1", "0"]);
         assert!(six_digits(f64::NAN).is_nan());
     }
 }

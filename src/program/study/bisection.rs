@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_criterion_that_never_changes_is_told_as_soon_as_both_ends_are_known() {
+    fn a_criterion_that_never_changes_is_reported_as_soon_as_both_ends_are_known() {
         let search = falling(0.1);
         for constant in [9.0, 1.0] {
             let (end, runs) = follow(&search, [2.0, 10.0], &|_| constant);

@@ -52,7 +52,7 @@ impl<'a> Session<'a> {
     /// Checks the case of every run of some tasks that has not begun, before anything runs.
     ///
     /// # Errors
-    /// All that is wrong, with the lines of the study file.
+    /// Everything that is wrong, with the lines of the study file.
     pub(crate) fn check(&self, tasks: &[Task]) -> Result<(), InputErrors> {
         let problems = Problems::default();
         let members = self.members_to_check(tasks);
@@ -99,7 +99,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Refuses what is wrong with the case of a run and its quantities; of a case that can be read, what its run will do.
+    /// Reports what is wrong with the case of a run and its quantities; returns the outline of a run whose case can be read.
     fn check_member(&self, member: &Member, problems: &Problems) -> Option<RunOutline> {
         let start = member.start.as_deref().map(StartState::checkpoint).transpose();
         let start = start.unwrap_or_else(|message| {

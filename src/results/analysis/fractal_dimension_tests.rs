@@ -101,7 +101,7 @@ fn fit(found: &[Agglomerate]) -> PopulationFit {
 }
 
 #[test]
-fn populations_of_known_dimension_are_told_apart() {
+fn populations_of_known_dimension_are_distinguished() {
     for dimension in [1.8, 2.1] {
         let law = (1.3, dimension);
         let mut found = Vec::new();

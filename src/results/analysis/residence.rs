@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn plug_flow_returns_and_particles_inside_are_told_apart() {
+    fn plug_flow_returns_and_particles_inside_are_distinguished() {
         let mut crossings: Vec<Crossing> = (0..50)
             .flat_map(|particle| {
                 let entry = particle as f64;

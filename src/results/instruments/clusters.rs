@@ -130,11 +130,11 @@ impl Looks {
         dense.sort_unstable_by_key(|cell| cell.cell);
         let ids: Vec<u64> = dense.iter().map(|cell| cell.cell).collect();
         // Each dense cell announces itself to its upper neighbours, which are linked to it if they are dense too.
-        let told = ids
+        let sent = ids
             .iter()
             .flat_map(|&cell| self.upper_neighbours(cell).map(move |other| [other, cell]));
-        let told = send_to_rendezvous(told, |pair: &[u64; 2]| pair[0], ranks);
-        let are_dense = told.into_iter().filter(|pair| ids.binary_search(&pair[0]).is_ok());
+        let sent = send_to_rendezvous(sent, |pair: &[u64; 2]| pair[0], ranks);
+        let are_dense = sent.into_iter().filter(|pair| ids.binary_search(&pair[0]).is_ok());
         let links: Vec<Link> = are_dense.map(|pair| Link::new(pair, [0; 3])).collect();
         let sets = components(&ids, &links, ranks);
         let numbers = dense.iter().zip(&sets).map(|(cell, set)| {

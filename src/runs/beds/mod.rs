@@ -24,7 +24,7 @@ use talcum_engine::particles::ParticleRecord;
 use talcum_engine::state::{Domain, SizeRange};
 use thiserror::Error;
 
-/// Particles that remember nothing.
+/// The particles of a bed, without contact histories.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InitialBed {
     /// Particles in the order of their ids; positions on the lattice of the box, inside it.
@@ -48,7 +48,7 @@ pub struct BedPart {
 }
 
 impl BedPart {
-    /// All of it.
+    /// The whole bed.
     pub const WHOLE: Self = Self { number: 0, of: 1 };
 
     /// Whether it holds the particle at this place.
@@ -89,7 +89,7 @@ pub enum BedProblem {
     AnotherRun(PathBuf),
 }
 
-/// Not as many particles fit as are asked for.
+/// Fewer particles fit than are asked for.
 fn too_many(room: u64) -> BedProblem {
     let message = format!("only {room} fit into the box from such a start");
     BedProblem::Keys(vec![("particles.count", message)])
@@ -100,19 +100,19 @@ fn no_room(reason: impl Into<String>) -> BedProblem {
     BedProblem::Keys(vec![("particles.start", reason.into())])
 }
 
-/// What an initial bed is made from.
+/// Everything that determines an initial bed.
 #[derive(Clone, Copy)]
 pub struct BedPlan<'a> {
     /// The particles.
     pub particles: &'a ParticleSetup,
     /// Box and walls.
     pub domain: &'a Domain,
-    /// What is wrong with a run of particles of the sizes that a file says.
+    /// Checks the sizes of the particles in a file; returns what is wrong with a run of them.
     pub check_sizes: &'a dyn Fn(&SizeRange) -> WrongKeys,
 }
 
-/// A part of an initial bed. Of a lattice nothing else is ever held; each sphere at a random place depends on all before
-/// it, and each line of a file may be wrong.
+/// Makes a part of an initial bed. Only a lattice is made in parts: each sphere at a random place depends on all before
+/// it, and any line of a file may be wrong.
 ///
 /// # Errors
 /// If the bed does not fit, if its file is wrong, or if the start is the end of another run; the same for all parts.
@@ -137,13 +137,13 @@ pub fn build(plan: &BedPlan<'_>, part: BedPart) -> Result<InitialBed, BedProblem
 }
 
 impl BedPlan<'_> {
-    /// Diameter of a particle that is drawn.
+    /// The random diameter of a particle; `None` if the case gives no sizes.
     fn diameter_of(&self, id: u64) -> Option<f64> {
         let particles = self.particles;
         particles.sizes.as_ref().map(|sizes| sizes.diameter_of(particles.seed, id))
     }
 
-    /// A sphere in the corner of the box, at rest or with the random velocity that is wanted.
+    /// A sphere in the corner of the box, at rest or with a random velocity, as the case asks.
     fn sphere(&self, id: u64, diameter: f64) -> Sphere {
         Sphere {
             position: [0.0; 3],
@@ -153,7 +153,7 @@ impl BedPlan<'_> {
         }
     }
 
-    /// Components normally distributed, their variance the granular temperature.
+    /// A velocity with normally distributed components, whose variance is the granular temperature.
     fn random_velocity(&self, id: u64) -> [f64; 3] {
         let temperature = self.particles.granular_temperature;
         if temperature == 0.0 {

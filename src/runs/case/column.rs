@@ -23,7 +23,7 @@ pub(super) fn read_column(
     if let Some(bounds) = bounds
         && matches!(bounds.faces(2)[0], Face::Open | Face::Stop)
     {
-        section.fail("kind", "a column of gas needs a lower wall or a periodic box along z");
+        section.fail("kind", "a column gas needs a lower wall or a periodic box along z");
     }
     let drag = read_drag(section);
     let spacing = read_spacing(section, bounds);

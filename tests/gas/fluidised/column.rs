@@ -38,7 +38,7 @@ fn bed() -> Bench {
     bench
 }
 
-/// In a column of gas that resists lateral motion, as the volume-averaged gas does, and sees the half cell on the
+/// In a column gas that resists lateral motion, as the volume-averaged gas does, and sees the half cell on the
 /// plate.
 fn in_column(spacing: f64) -> Bench {
     let mut column = gas(VELOCITY);

@@ -72,7 +72,7 @@ fn gas_in_a_uniform_suspension_is_uniform_but_for_the_cells() {
     };
     // Cells that hold four particles along each edge see no change: what is left is rounding and the pressure's 1e-8.
     assert!(on(3, 0.0) < 1.0e-3);
-    // Of 2.9 and 1.4 diameters: no closed form, bounds of what docs/verification.md tells, which `talcum check` repeats.
+    // Of 2.9 and 1.4 diameters: no closed form, bounds of what docs/verification.md gives, which `talcum check` repeats.
     let [wide, narrow] = [on(5, 0.0), on(10, 0.0)];
     assert!((5.0..12.0).contains(&wide) && (10.0..25.0).contains(&narrow), "{wide} {narrow}");
     let filtered = on(10, 6.0);

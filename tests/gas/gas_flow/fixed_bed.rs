@@ -35,7 +35,7 @@ fn bed_pressure_drop(steps: usize, beta: impl Fn(f64, f64) -> f64) -> f64 {
 fn a_fixed_bed_has_the_pressure_drop_of_ergun() {
     let error =
         |beta: &dyn Fn(f64, f64) -> f64| (bed_pressure_drop(40, beta) / 1715.625 - 1.0).abs();
-    // Uniform flow: nothing but the pressure equation's tolerance differs. 1e-3 is what the issue asks for.
+    // Uniform flow: the only error is the tolerance of the pressure equation.
     assert!(error(&ergun) < 1.0e-8);
     // Controls: without the inertial part, or with eps counted once too often.
     assert!(error(&|eps, _| ergun(eps, 0.0)) > 0.1);
@@ -58,14 +58,14 @@ fn drag_however_strong_gives_darcys_pressure_drop() {
 /// How drag gets into a step.
 #[derive(Clone, Copy, PartialEq)]
 enum Drag {
-    /// As the gas has it: implicit.
+    /// Implicitly, as in the gas.
     Implicit,
-    /// Planted: by the velocity at the beginning of the step.
+    /// A planted error: by the velocity at the beginning of the step.
     Lagged,
 }
 
 /// Stripes of beds side by side, beta growing tenfold from each to the next, in a periodic box through which a force of
-/// 1 per volume drives the gas. The largest deviation after three steps from Darcy's u = eps / beta, over that.
+/// 1 per volume drives the gas. Returns the largest deviation from Darcy's u = eps / beta after three steps, over that u.
 fn deviation_in_stripes(drag: Drag, strength: f64) -> Result<f64, NavierStokesError> {
     let mut problem = Problem::new([0.4, 0.4, 0.5], [4, 4, 5], [PERIODIC, PERIODIC, PERIODIC]);
     problem.gas.viscosity = 0.0;

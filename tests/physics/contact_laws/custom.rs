@@ -82,7 +82,7 @@ fn custom_law_has_the_bits_of_the_registered_one() {
 }
 
 #[test]
-fn custom_law_tells_its_name_and_equals_itself_only() {
+fn custom_law_has_its_name_and_equals_itself_only() {
     let one = ContactLaw::custom("scaled_hertz", Scaled { law: hertz(), factor: 1.0 });
     let other = ContactLaw::custom("scaled_hertz", Scaled { law: hertz(), factor: 1.0 });
     assert_eq!(one.name(), "scaled_hertz");

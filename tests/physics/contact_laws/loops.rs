@@ -328,8 +328,8 @@ fn the_sticking_force_of_a_law_becomes_its_force_by_sliding_and_stays_where_surf
             assert_eq!((force, history), (expected, expected_history), "{law:?}");
         }
         // Laws whose tangential stiffness follows from the overlap are evaluated as a whole.
-        let tells = !["hertz_mindlin", "jkr"].contains(&law.name());
-        assert!(sticking > 100 && (sliding > 100) == tells, "{law:?}: {sticking}, {sliding}");
+        let separates = !["hertz_mindlin", "jkr"].contains(&law.name());
+        assert!(sticking > 100 && (sliding > 100) == separates, "{law:?}: {sticking}, {sliding}");
     }
 }
 

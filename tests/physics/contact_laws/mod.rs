@@ -30,7 +30,7 @@ struct HeadOn<'a> {
     law: &'a ContactLaw,
     radius: f64,
     density: f64,
-    /// Time steps per contact, as the law tells its duration.
+    /// Time steps per contact, as the law gives its duration.
     steps: f64,
 }
 

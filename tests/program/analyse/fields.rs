@@ -122,7 +122,7 @@ fn times_before_there_is_a_bed_do_not_count() {
     let found = made.find("bed", TimeWindow::WHOLE);
     assert!((number(&found, "bed.height").0 - 30.0).abs() < 1.6);
     assert_eq!(column(&found, "bed/times", "time").len(), 81);
-    // The control: where there is no bed at all, the reason is told.
+    // The control: where there is no bed at all, the reason is given.
     let loose = made.find("bed", TimeWindow { from: 0.0, to: 19.0 });
     assert!(reason(&loose, "bed.height").contains("nowhere above the threshold"));
 }

@@ -8,7 +8,7 @@ use talcum::output::{
 use talcum::parallel::{OneRank, ParticleRecord};
 use talcum::post_processing::{Analysis, Findings, Results, TimeWindow, Value, scalar_named};
 
-/// A column of gas, 5 x 5 x 120 diameters, periodic across; a grid of 1.5 diameters.
+/// A bed in a column gas, 5 x 5 x 120 diameters, periodic across; a grid of 1.5 diameters.
 pub(crate) const CASE: &str = r#"title = "Made by hand"
 units = "dimensionless"
 [box]

@@ -101,7 +101,7 @@ fn a_random_walk_has_its_dispersion_and_a_stirred_bed_is_mixed() {
         assert!((value - expected).abs() < 4.0 * error, "{name}: {value} +- {error}, {expected}");
         assert!(error < 0.3 * expected);
     }
-    // The control: the axes are told apart.
+    // The control: the axes are distinguished.
     let [x, y] = ["x", "y"].map(|axis| number(&found, &format!("mixing.dispersion_{axis}")).0);
     assert!(x > 4.0 * y, "{x} {y}");
     // Parted at the start, but for cells that the middle goes through; after 100 time units, of a mixing time

@@ -228,7 +228,7 @@ fn single_precision_and_compression_make_files_smaller() {
 }
 
 #[test]
-fn ids_that_do_not_ascend_are_told_when_snapshots_are_read() {
+fn ids_that_do_not_ascend_are_reported_when_snapshots_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     write_all(&path, &SnapshotFormat::default(), 1);

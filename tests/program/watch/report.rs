@@ -17,7 +17,7 @@ fn entry<'r>(report: &'r str, name: &str) -> Option<&'r str> {
 }
 
 #[test]
-fn one_report_tells_title_state_progress_and_the_newest_numbers() {
+fn one_report_has_title_state_progress_and_the_newest_numbers() {
     let made = made(20);
     for arguments in
         [&["watch", &shown(made.path())][..], &["watch", &shown(made.path()), "--once"]]
@@ -56,7 +56,7 @@ fn a_line_that_is_being_written_and_damaged_neighbours_are_no_error() {
     assert_eq!(ended.code(), Some(0), "{ended:?}");
     assert!(ended.output.contains("time 20 of 1000"), "{}", ended.output);
     assert_eq!(entry(&ended.output, "warning"), None);
-    // Negative control: a whole line that is no row is told, and so is a file that a run set aside.
+    // Negative control: a whole line that is no row is reported, and so is a file that a run set aside.
     open("series.csv").unwrap().write_all(b",x\n").unwrap();
     open("profiles.h5.unreadable-1").unwrap().write_all(b"").unwrap();
     let ended = talcum(0, &["watch", &shown(made.path())]);
@@ -98,7 +98,7 @@ fn an_unknown_column_is_refused_with_those_there_are() {
 }
 
 #[test]
-fn a_run_is_seen_to_go_on_and_to_be_complete_with_its_digest() {
+fn a_run_is_seen_to_continue_and_to_be_complete_with_its_digest() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("results");
     let mut run = start(0, &["run", &smoke("si"), "--output", &shown(&output)]);

@@ -228,7 +228,7 @@ fn shared_edges(
         InLocalSet { id, root, image, padding: 0 }
     };
     let mut edges = Vec::new();
-    for InLocalSet { id, root: other, image: in_other, .. } in nodes.foreign.tell(record, ranks) {
+    for InLocalSet { id, root: other, image: in_other, .. } in nodes.foreign.notify(record, ranks) {
         let Some(place) = nodes.owned.place_of(id) else { continue };
         is_linked[place] = true;
         let InTree { root, image } = forest.find(place as u32);

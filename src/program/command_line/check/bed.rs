@@ -122,7 +122,7 @@ impl BedAtRest {
                 / self.cross_section;
         let at_rest = overlap_under(law, bodies, stress * diameter * diameter) / diameter;
         if at_rest > 0.0 {
-            tell(lines, "overlap under the bed's weight", [at_rest, AT_REST], "");
+            describe_overlap(lines, "overlap under the bed's weight", [at_rest, AT_REST], "");
         }
         let speed = highest_speed(case, stage);
         if speed > 0.0 {
@@ -130,12 +130,12 @@ impl BedAtRest {
             let overlap = speed * law.contact_duration(bodies.mass, bodies.radius) / PI / diameter;
             let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Speed);
             let when = format!(" at {speed:.4e} {unit}");
-            tell(lines, "overlap of an impact", [overlap, IN_IMPACT], &when);
+            describe_overlap(lines, "overlap of an impact", [overlap, IN_IMPACT], &when);
         }
     }
 }
 
-fn tell(lines: &mut Lines, name: &str, [overlap, largest]: [f64; 2], when: &str) {
+fn describe_overlap(lines: &mut Lines, name: &str, [overlap, largest]: [f64; 2], when: &str) {
     lines.add(name, &format!("{overlap:.1e} of the diameter{when}"));
     if overlap > largest {
         lines.warn(&format!("that is more than {largest}: raise the stiffness"));

@@ -181,11 +181,11 @@ fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
     if minimum.is_empty() {
         return;
     }
-    let told: Vec<String> = minimum
+    let values: Vec<String> = minimum
         .iter()
         .map(|(phi, velocity)| format!("{velocity:.4e} {unit} at phi {phi:.2}"))
         .collect();
-    lines.add("U_mf of the force balance", &told.join(", "));
+    lines.add("U_mf of the force balance", &values.join(", "));
     // Without neighbours the balance is that of a particle that falls alone.
     let terminal = case.minimum_fluidisation(stage, 0.0).unwrap_or(f64::INFINITY);
     // Laws for packed beds have no terminal velocity.

@@ -118,7 +118,7 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
 /// have another law.
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
     let unit = ColumnUnits::of_system(case.units.name()).of(Unit::Time);
-    let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
+    let mut describe = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
         let duration = law.contact_duration(bodies.mass, bodies.radius);
         let steps = duration / stage.physics.time_step;
         lines.add(name, &format!("{duration:.4e} {unit}, {steps:.1} time steps ({})", law.name()));
@@ -127,12 +127,12 @@ fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &Size
         match wall {
             None => {
                 let bodies = case.lightest_pair(species, sizes);
-                tell(&format!("duration of a contact{name}"), &contact.law, bodies);
+                describe(&format!("duration of a contact{name}"), &contact.law, bodies);
             }
             Some(_) if stage.physics.contact.values().contains(contact) => {}
             Some(_) => {
                 let bodies = case.lightest_at_wall(species[0], sizes);
-                tell(&format!("duration{name}"), &contact.law, bodies);
+                describe(&format!("duration{name}"), &contact.law, bodies);
             }
         }
     }

@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_is_told_with_its_range_and_unit() {
+    fn a_value_is_printed_with_its_range_and_unit() {
         let curve = |points: &[(f64, f64)], unit: &str| {
             value(&Curve { name: "x".to_owned(), unit: unit.to_owned(), points: points.to_vec() })
         };

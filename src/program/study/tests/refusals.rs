@@ -179,7 +179,7 @@ fn all_errors_are_reported_together_and_good_studies_pass() {
 }
 
 #[test]
-fn the_manners_are_those_of_case_files() {
+fn errors_are_worded_as_those_of_case_files() {
     for (study, expected) in [
         ("[runs]\nranks = 1\n", "study.toml:3: runs: unknown key: did you mean run?"),
         ("[run]\nrank = 1\n", "study.toml:4: run.rank = 1: unknown key: did you mean ranks?"),

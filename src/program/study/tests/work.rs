@@ -110,7 +110,7 @@ fn a_search_finds_the_threshold_of_every_seed() {
 }
 
 #[test]
-fn a_search_without_a_crossing_is_told_and_others_go_on() {
+fn a_search_without_a_crossing_is_reported_and_others_continue() {
     fn constant_in_a_slow_gas(keys: &Keys) -> Result<f64, String> {
         if number(keys, "gas.superficial_velocity") < 0.15 { Ok(20.0) } else { falling(keys) }
     }

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn lock_mark_and_last_write_tell_what_a_run_is_doing() {
+    fn lock_mark_and_last_write_show_what_a_run_is_doing() {
         let locked = Marks {
             holder: Some("process 7 on here".to_owned()),
             is_alive: Some(true),
