@@ -164,8 +164,6 @@ const STRANGE: [&str; 24] = [
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
-
     #[test]
     fn no_text_makes_the_reader_panic(
         file in 0..1000usize, mutations in prop::collection::vec((0..1000usize, 0..30usize), 1..4),

@@ -12,6 +12,7 @@ use crate::study::task::{Records, RunState};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fs::File;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use talcum_results::output;
 use talcum_results::output::lock::{Sharing, try_lock};
@@ -190,10 +191,7 @@ impl StudyFolder {
 fn read_state(folder: &Path, member: &Member) -> RunState {
     let case = match output::read_text(&folder.join("case.toml")) {
         Ok(case) => case,
-        Err(_) => match output::read_text(&folder.join(FAILED)) {
-            Ok(reason) => return RunState::Failed(reason),
-            Err(_) => return RunState::Waiting,
-        },
+        Err(_) => return failure(folder).map_or(RunState::Waiting, RunState::Failed),
     };
     let identity = EffectiveCase::parse(&case).map(|case| case.identity(member.origin_identity()));
     if identity.as_ref() != Ok(&member.identity) {
@@ -207,9 +205,17 @@ fn read_state(folder: &Path, member: &Member) -> RunState {
     if let Some(digest) = complete.ok().and_then(|text| digest_of(&text)) {
         return RunState::Done(digest);
     }
-    match output::read_text(&folder.join(FAILED)) {
-        Ok(reason) => RunState::Failed(reason),
-        Err(_) => RunState::Begun,
+    failure(folder).map_or(RunState::Begun, RunState::Failed)
+}
+
+/// The reason why the run of a folder failed; if it cannot be read, that is the reason: the run would otherwise be started
+/// again and again.
+fn failure(folder: &Path) -> Option<String> {
+    let path = folder.join(FAILED);
+    match output::read_text(&path) {
+        Ok(reason) => Some(reason),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        Err(error) => Some(format!("{} cannot be read: {error}", path.display())),
     }
 }
 
@@ -268,6 +274,16 @@ impl Records for Results<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_failure_whose_reason_cannot_be_read_is_one() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(failure(folder.path()), None);
+        std::fs::write(folder.path().join(FAILED), "too fast").unwrap();
+        assert_eq!(failure(folder.path()).unwrap(), "too fast");
+        std::fs::write(folder.path().join(FAILED), b"\xff").unwrap();
+        assert!(failure(folder.path()).unwrap().contains("failed cannot be read: "));
+    }
 
     #[test]
     fn a_digest_that_was_cut_short_is_none() {
