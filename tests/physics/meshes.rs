@@ -221,6 +221,27 @@ fn a_sphere_in_a_sharp_corner_has_two_springs() {
 }
 
 #[test]
+fn a_sphere_between_two_meshes_touches_both() {
+    // The two halves of a trench of 45 degrees, each a wall of its own.
+    let half = |side: f64| {
+        let corners =
+            grid([2, 3], |u, v| Vector3::new(6.0 + 4.0 * side * u, 2.0 + 8.0 * v, 3.0 + 4.0 * u));
+        mesh(&corners, FEATURE_ANGLE)
+    };
+    let mut bench = bench(law(STIFFNESS, 0.7, 0.0));
+    for (name, side) in [("left", -1.0), ("right", 1.0)] {
+        bench.domain.walls.push(Wall { name: name.to_owned(), ..half(side) });
+    }
+    bench.add([6.0, 6.0, 3.0 + 0.4999 * 2.0_f64.sqrt()], [0.0; 3], 0.5);
+    let mut run = bench.alone();
+    run.steps(60_000);
+    let height = (run.particle(0).position[2] - 3.0) * 0.5_f64.sqrt();
+    let force = STIFFNESS * (0.5 - height) / (PI / 6.0);
+    // As in a trench of one mesh, whose test has the reason for the tolerance and the control.
+    assert!((force / 0.5_f64.sqrt() - 1.0).abs() < 1.0e-6, "{force}");
+}
+
+#[test]
 fn a_sphere_rolls_over_convex_edges_without_gaining_energy() {
     for degrees in [1.0, 5.0, 10.0, 20.0, 29.0, 31.0_f64] {
         // A roof: it rolls along the flat side, over the ridge, and down the other side.

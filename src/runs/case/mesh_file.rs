@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Largest number of triangles in a file: each takes about 300 bytes in the memory of each rank.
+/// Largest number of triangles in a file: each takes about 400 bytes in the memory of each rank.
 const MOST_FACETS: usize = 5_000_000;
 /// Bytes of a binary file of STL before its triangles, and of each triangle.
 const STL_BYTES: [usize; 2] = [84, 50];
@@ -38,7 +38,7 @@ pub(super) fn read(file: &Path) -> Result<(Vec<Vector3<f64>>, String), String> {
 /// Requires that a number of triangles fits into memory.
 fn require_few(facets: usize) -> Result<(), String> {
     if facets > MOST_FACETS {
-        let gigabytes = facets as f64 * 3.0e-7;
+        let gigabytes = facets as f64 * 4.0e-7;
         return Err(format!(
             "holds {facets} triangles, which would take about {gigabytes:.1} GB on each rank: must be at most {MOST_FACETS}; \
              make the mesh coarser"
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn too_many_triangles_are_refused_before_they_are_read() {
         let error = require_few(10_000_000).unwrap_err();
-        assert!(error.contains("3.0 GB") && error.contains("5000000"), "{error}");
+        assert!(error.contains("4.0 GB") && error.contains("5000000"), "{error}");
         assert_eq!(require_few(MOST_FACETS), Ok(()));
     }
 }

@@ -39,8 +39,8 @@ pub(crate) fn find_mesh_contacts(
             start += rest.partition_point(|pair| pair.wall == first.wall);
             continue;
         };
-        let of_particle = |pair: &&WallPair| pair.particle == first.particle;
-        let count = rest.iter().take_while(of_particle).count();
+        let of_both = |pair: &&WallPair| (pair.wall, pair.particle) == (first.wall, first.particle);
+        let count = rest.iter().take_while(of_both).count();
         let near = NearMesh { mesh, pose: &walls.poses[wall], slots: start..start + count };
         near.find_touched(particles, contacts, range, &mut touched);
         contacts.wall_acts[near.slots.clone()].fill(false);
