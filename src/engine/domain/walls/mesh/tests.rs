@@ -1,3 +1,6 @@
+//! Distances from facets are those of the nearest of many points, the tree finds what a search of all facets finds, and edges and
+//! insides are recognised.
+
 use super::*;
 use std::f64::consts::PI;
 
