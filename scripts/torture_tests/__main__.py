@@ -101,7 +101,7 @@ def read_options() -> argparse.Namespace:
     parser.add_argument("--alone", type=float, default=0.9, help="share of the runs that are started without it (default: 0.9)")
     parser.add_argument("--pause", type=Path, metavar="FILE",
                         help="wait while this file exists, for example while the machine is needed to measure times")  # fmt: skip
-    parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "talcum")
+    parser.add_argument("--program", type=lambda path: Path(path).resolve(), default=ROOT / "target" / "release" / "talcum")
     wanted = parser.parse_args()
     wanted.kinds = wanted.only.split(",") if wanted.only else list(KINDS)
     unknown = [kind for kind in wanted.kinds if kind not in KINDS]
