@@ -180,7 +180,7 @@ def ranks_of(process: subprocess.Popen[bytes]) -> list[int]:
 
 
 def case_file(context: Context, case: str) -> Path:
-    """A smoke case with measures."""
+    """A smoke case with instruments."""
     path = context.folder / f"{case}.toml"
     if not path.exists():
         path.write_text((SMOKE / path.name).read_text(encoding="utf-8") + MEASURES, encoding="utf-8")
