@@ -171,13 +171,7 @@ fn tumbling() -> Bench {
         bench.domain.walls.push(Wall { name: name.to_owned(), rotation: round_of(name), ..wall });
     }
     bench.domain.walls.push(Wall { rotation: Some(swing), ..paddle });
-    for k in 0..45_u32 {
-        let [x, y, z] = [k % 3, k / 3 % 3, k / 9].map(f64::from);
-        let place = Vector3::new(4.4 + 1.6 * x, 4.2 + 1.7 * y, 3.6 + 1.15 * z);
-        if (place.z - 6.0).abs() > 0.55 {
-            bench.add(place.into(), [0.1 * y, 0.0, 0.0], 0.5);
-        }
-    }
+    add_spheres(&mut bench, 0.55);
     bench
 }
 
@@ -186,8 +180,20 @@ fn round_of(name: &str) -> Option<WallRotation> {
     drum(1.5).rotation.filter(|_| name != "far")
 }
 
-#[test]
-fn the_work_of_turning_walls_closes_the_ledger() {
+/// Adds spheres to a drum of radius 4 about the middle of the box, except within a distance of the horizontal plane
+/// through its axis, where the paddle is.
+pub(crate) fn add_spheres(bench: &mut Bench, distance: f64) {
+    for k in 0..45_u32 {
+        let [x, y, z] = [k % 3, k / 3 % 3, k / 9].map(f64::from);
+        let place = Vector3::new(4.4 + 1.6 * x, 4.2 + 1.7 * y, 3.6 + 1.15 * z);
+        if (place.z - 6.0).abs() > distance {
+            bench.add(place.into(), [0.1 * y, 0.0, 0.0], 0.5);
+        }
+    }
+}
+
+/// Asserts that the work of walls, the fourth of which is a paddle, closes the ledger of energies.
+pub(crate) fn assert_work_closes_the_ledger(name: &str, tumbling: impl Fn() -> Bench) {
     let balance = |part: f64| {
         let mut bench = tumbling();
         bench.time_step *= part;
@@ -198,7 +204,7 @@ fn the_work_of_turning_walls_closes_the_ledger() {
     };
     let [coarse, fine] = [1.0, 0.5].map(balance);
     let [first, second] = [coarse.relative_error(), fine.relative_error()];
-    println!("energy ledger, drum with a paddle: {first:.2e}, {second:.2e}");
+    println!("energy ledger, {name}: {first:.2e}, {second:.2e}");
     // As in the ledgers of beds: an integrator of first order, and contacts that begin within a step.
     assert!(first < 2.0e-2 && second < 0.75 * first, "{coarse:?} {fine:?}");
     // Negative control: the work of the walls would be missed.
@@ -206,8 +212,8 @@ fn the_work_of_turning_walls_closes_the_ledger() {
     assert!(walls > 5.0 * fine.closure_error.abs() && walls > 1.0, "{fine:?}");
 }
 
-#[test]
-fn ranks_change_no_bit_between_turning_walls() {
+/// Asserts that ranks change no bit between walls, the fourth of which is a paddle.
+pub(crate) fn assert_ranks_change_no_bit(tumbling: impl Fn() -> Bench) {
     let bench = tumbling();
     let on = |grid: [usize; 3]| {
         bench.on_ranks(grid, |run| {
@@ -223,4 +229,14 @@ fn ranks_change_no_bit_between_turning_walls() {
     other.domain.walls[3].rotation = None;
     let differs = other.on_ranks([1, 1, 1], |run| run.steps(8000).snapshot().bits());
     assert!(differs != alone.0, "a control: the paddle matters");
+}
+
+#[test]
+fn the_work_of_turning_walls_closes_the_ledger() {
+    assert_work_closes_the_ledger("drum with a paddle", tumbling);
+}
+
+#[test]
+fn ranks_change_no_bit_between_turning_walls() {
+    assert_ranks_change_no_bit(tumbling);
 }

@@ -2,6 +2,9 @@
 //! one wall or two according to its bend, and ranks change no bit.
 
 use crate::beds::{Bench, Run, law};
+use crate::limited_walls::{
+    add_spheres, assert_ranks_change_no_bit, assert_work_closes_the_ledger,
+};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -9,7 +12,6 @@ use talcum::contact::{ContactModel, RollingFriction, RollingKind};
 use talcum::domain::{
     Axis, EffectiveGravity, Face, Mesh, Surface, Wall, WallRotation, WallShape, join_vertices,
 };
-use talcum::state::Mechanism;
 
 const LENGTHS: [f64; 3] = [12.0, 12.0, 12.0];
 const STIFFNESS: f64 = 2.0e4;
@@ -308,51 +310,16 @@ fn tumbling() -> Bench {
     for (name, rotation, wall) in walls {
         bench.domain.walls.push(Wall { name: name.to_owned(), rotation, ..wall });
     }
-    for k in 0..45_u32 {
-        let [x, y, z] = [k % 3, k / 3 % 3, k / 9].map(f64::from);
-        let place = Vector3::new(4.4 + 1.6 * x, 4.2 + 1.7 * y, 3.6 + 1.15 * z);
-        if (place.z - 6.0).abs() > 0.85 {
-            bench.add(place.into(), [0.1 * y, 0.0, 0.0], 0.5);
-        }
-    }
+    add_spheres(&mut bench, 0.85);
     bench
 }
 
 #[test]
 fn the_work_of_turning_meshes_closes_the_ledger() {
-    let balance = |part: f64| {
-        let mut bench = tumbling();
-        bench.time_step *= part;
-        let mut run = bench.alone();
-        run.keep_energy_ledger();
-        run.steps((4.0 / bench.time_step).round() as u64);
-        run.energy_balance().unwrap()
-    };
-    let [coarse, fine] = [1.0, 0.5].map(balance);
-    let [first, second] = [coarse.relative_error(), fine.relative_error()];
-    println!("energy ledger, meshed drum with a paddle: {first:.2e}, {second:.2e}");
-    // As in the ledgers of beds: an integrator of first order, and contacts that begin within a step.
-    assert!(first < 2.0e-2 && second < 0.75 * first, "{coarse:?} {fine:?}");
-    // Negative control: the work of the walls would be missed.
-    let walls = fine.of(Mechanism::Walls);
-    assert!(walls > 5.0 * fine.closure_error.abs() && walls > 1.0, "{fine:?}");
+    assert_work_closes_the_ledger("meshed drum with a paddle", tumbling);
 }
 
 #[test]
 fn ranks_change_no_bit_between_turning_meshes() {
-    let bench = tumbling();
-    let on = |grid: [usize; 3]| {
-        bench.on_ranks(grid, |run| {
-            run.steps(8000);
-            (run.snapshot().bits(), run.wall_forces())
-        })
-    };
-    let alone = on([1, 1, 1]);
-    for grid in [[2, 1, 1], [1, 2, 2], [2, 2, 2]] {
-        assert!(on(grid) == alone, "{grid:?}");
-    }
-    let mut other = tumbling();
-    other.domain.walls[3].rotation = None;
-    let differs = other.on_ranks([1, 1, 1], |run| run.steps(8000).snapshot().bits());
-    assert!(differs != alone.0, "a control: the paddle matters");
+    assert_ranks_change_no_bit(tumbling);
 }
