@@ -51,7 +51,7 @@ pub struct Edge {
     pub is_smooth: bool,
 }
 
-/// What tells the inside of a closed mesh from its outside: the sums of the normals of the facets at each edge and at
+/// What distinguishes the inside of a closed mesh from its outside: the sums of the normals of the facets at each edge and at
 /// each corner, there weighted by the angles of the facets, all outwards (Baerentzen and Aanaes 2005,
 /// doi:10.1109/TVCG.2005.49).
 #[derive(Clone, Debug, PartialEq)]
